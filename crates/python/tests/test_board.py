@@ -22,7 +22,11 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the simulated b
 def test_a_rig_is_armed_moved_and_stopped(tmp_path: pathlib.Path) -> None:
     sm.Rig.arm(3).save(tmp_path / "arm.toml")
     with sm.Board.open(f"sim:{tmp_path / 'arm.toml'}") as board:
-        assert board.state().state in ("off", "limp")
+        at = board.state()
+        assert at.state in ("off", "limp")
+        goal = np.clip(at.q + 0.1, board.rig.lower, board.rig.upper)
+        show = sm.bake(np.tile(goal, (11, 1)), board.rig, rate_hz=10)
+        board.upload(show)
         with pytest.raises(sm.BoardError, match="arm"):
             board.goto(board.rig.home)
         show = sm.bake([board.rig.home] * 6, board.rig, rate_hz=10)
@@ -30,7 +34,6 @@ def test_a_rig_is_armed_moved_and_stopped(tmp_path: pathlib.Path) -> None:
         board.arm()
         at = board.state()
         assert at.state == "holding" and at.q.shape == at.effort.shape == (3,)
-        goal = np.clip(at.q + 0.1, board.rig.lower, board.rig.upper)
         board.goto(goal)
         reached = board.state()
         assert np.abs(reached.q - goal).max() < 0.05 and reached.state == "holding"
@@ -40,6 +43,8 @@ def test_a_rig_is_armed_moved_and_stopped(tmp_path: pathlib.Path) -> None:
         assert board.state().state == "playing"
         board.hold()
         board.play(show)
+        with pytest.raises(sm.BoardError, match="`upload`"):
+            board.play(sm.bake(np.tile(goal, (12, 1)), board.rig, rate_hz=10))
         assert board.state().state == "holding"
         with pytest.raises(sm.BoardError, match="before `arm`"):
             board.play(sm.bake([goal] * 6, board.rig, rate_hz=10))
@@ -136,7 +141,7 @@ def in_thread(order: Callable[[], None]) -> tuple[threading.Thread, list[str]]:
 
 
 def test_an_interrupted_upload_plays_nothing() -> None:
-    """Without its own token, an order that was cancelled played its show when the interrupt was over."""
+    """Without its own token, a cancelled upload went on, and was as long as the wait for its end."""
 
     def interrupt(signal_number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
@@ -145,17 +150,17 @@ def test_an_interrupted_upload_plays_nothing() -> None:
     before = signal.signal(signal.SIGALRM, interrupt)
     try:
         with sm.Board.open("sim", rig) as board:
-            board.arm()
             times = np.arange(0.0, 30.0, 0.02)[:, None]
             waves = 0.2 * np.sin(times * np.arange(3.0, 9.0))
             show = sm.bake(np.clip(board.state().q + waves, rig.lower, rig.upper), rig, rate_hz=50)
             signal.setitimer(signal.ITIMER_REAL, 0.03)
             with pytest.raises(KeyboardInterrupt):
+                board.upload(show)
+            # The board does not have the show: the upload has ended, and plays nothing.
+            board.arm()
+            with pytest.raises(sm.BoardError, match="`upload`"):
                 board.play(show)
-            end = time.monotonic() + 6.0
-            while time.monotonic() < end:
-                assert board.state().state == "holding"
-                time.sleep(0.05)
+            assert board.state().state == "holding"
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
@@ -252,13 +257,14 @@ def test_joints_that_follow_go_with_their_leaders(tmp_path: pathlib.Path) -> Non
 def test_rounds_count_from_the_first_pose() -> None:
     rig = sm.Rig.arm(2)
     with sm.Board.open("sim", rig) as board:
-        board.arm()
         q = board.state().q
         phase = np.linspace(0.0, 2.0 * np.pi, 101)[:, None]
         rows = np.clip(q + 0.4 + 0.05 * np.sin(phase), rig.lower, rig.upper)
         with pytest.raises(ValueError, match="rounds"):
             board.play(sm.bake(rows, rig, rate_hz=50), rounds=2)
         show = sm.bake(rows, rig, rate_hz=50, loop_blend_s=0.2)
+        board.upload(show)
+        board.arm()
         playing, errors = in_thread(lambda: board.play(show, rounds=1))
         begun = time.monotonic()
         playing.join(60.0)

@@ -202,22 +202,22 @@ class Board:
         """
         self._native.live(row("q", q))
 
-    def load(self, show: Show) -> None:
-        """Stores a show on the board, unless the board has it. Torque must be off: call it before ``arm``.
+    def upload(self, show: Show) -> None:
+        """Uploads a show if the board does not have it. A board stores shows only while torque is off.
 
         Raises
         ------
         BoardError
-            If the show is of another rig, the board has no room, or torque is on.
+            If the show is of another rig, the rig is armed, or the board has no room.
 
         >>> arm = Rig.arm(2)
         >>> with Board.open("sim", arm) as board:
-        ...     board.load(bake([arm.home, arm.home], arm, rate_hz=2))
+        ...     board.upload(bake([board.state().q] * 2, arm, rate_hz=2))
         """
-        self._native.load(show._native)
+        self._native.upload(show._native)
 
     def play(self, show: Show, *, rounds: int = 1) -> None:
-        """Plays a show that the board has, and waits for its end; then the rig holds.
+        """Plays a show that the board has (``upload``) on the armed rig, and waits for its end; then the rig holds.
 
         Parameters
         ----------
@@ -229,12 +229,13 @@ class Board:
         ValueError
             For more than one round of a show that is no loop.
         BoardError
-            If the show was baked for another rig, the board does not have it and torque is on, or a fault ends it.
+            If the show is of another rig, the board does not have it, or a fault ends it.
 
         >>> arm = Rig.arm(2)
         >>> show = bake([arm.home, arm.home], arm, rate_hz=2)
         >>> with Board.open("sim", arm) as board:
-        ...     board.load(show)
+        ...     show = bake([board.state().q] * 2, arm, rate_hz=2)
+        ...     board.upload(show)
         ...     board.arm()
         ...     board.play(show)
         ...     board.state().state

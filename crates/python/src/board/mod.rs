@@ -194,6 +194,10 @@ impl NativeBoard {
         self.done(py, Order::Play { bytes: show.bytes.clone(), rounds })
     }
 
+    fn upload(&self, py: Python<'_>, show: PyRef<'_, NativeShow>) -> PyResult<()> {
+        self.done(py, Order::Upload { bytes: show.bytes.clone() })
+    }
+
     fn hold(&self, py: Python<'_>) -> PyResult<()> {
         self.done(py, Order::Hold)
     }

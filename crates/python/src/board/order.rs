@@ -48,6 +48,9 @@ pub(super) enum Order {
         bytes: Vec<u8>,
         rounds: u32,
     },
+    Upload {
+        bytes: Vec<u8>,
+    },
     Hold,
     Stop,
     EStop,

@@ -128,6 +128,9 @@ impl<'a, L: Line> Session<'a, L> {
             Order::Live { q } => self.follow(&q)?,
             Order::Load { bytes } => self.load(&bytes)?,
             Order::Play { bytes, rounds } => self.play(&bytes, rounds)?,
+            Order::Upload { bytes } => {
+                self.put_show(&bytes)?;
+            }
             Order::Hold => self.ask(Command::Hold)?,
             Order::Stop | Order::Close => self.stop()?,
             Order::EStop => self.ask(Command::EStop)?,
@@ -364,7 +367,6 @@ impl<'a, L: Line> Session<'a, L> {
     /// Stores a show on the board unless it has the show, and selects it.
     fn load(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
         let show = Show::open(bytes)?;
-        show.check_rig(self.board().about().rig)?;
         let slot = self.put_show(bytes)?;
         self.wait(Duration::ZERO)?;
         self.ask(Command::LoadShow { slot })?;
@@ -400,13 +402,20 @@ impl<'a, L: Line> Session<'a, L> {
     /// Uploads a show if the board does not have it. Returns its slot.
     fn put_show(&mut self, bytes: &[u8]) -> anyhow::Result<u8> {
         let rig = self.board().about().rig;
+        Show::open(bytes)?.check_rig(rig)?;
         let item = item(Kind::Show, SHOW_SCHEMA, bytes, rig, "sinew_motion")?;
         if let Some(slot) = self.board().slot_of(&item)? {
             return Ok(slot);
         }
-        let mut command = Command::BeginUpload(item.clone());
-        while let Some(next) = self.board().upload_step(command, item.kind, bytes, &mut |_| ())? {
-            command = next;
+        let mut next = Some(Command::BeginUpload(item.clone()));
+        while let Some(command) = next {
+            next = match self.board().upload_step(command, item.kind, bytes, &mut |_| ()) {
+                Err(ClientError::Refused(Refusal::State(state))) => bail!(
+                    "the board does not have the show, and stores shows only while torque is off; the rig is {state}: \
+                     `upload` the show before `arm`"
+                ),
+                next => next?,
+            };
             self.wait(Duration::ZERO)?;
         }
         self.board().slot_of(&item)?.context("the board does not have the show")
