@@ -67,11 +67,6 @@ impl SingleRows {
     }
 }
 
-/// Returns whether the core can accept a number: it is from -1e6 to 1e6, and not NaN.
-pub(crate) fn is_usable(number: f64) -> bool {
-    number.abs() <= 1e6
-}
-
 /// Converts a number to f32, the core's precision. NaN stays NaN, and a number that is too large becomes infinite; the
 /// core refuses both.
 #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]

@@ -16,7 +16,7 @@ use sinew_core::{
 };
 use sinew_rig::mechanism::BODY_COUNT_MAX;
 
-use crate::arrays::{Rows, array, is_usable, single};
+use crate::arrays::{Rows, array};
 use crate::error::value;
 use crate::heading::Anchor;
 use crate::rig::NativeRig;
@@ -193,7 +193,8 @@ pub(crate) fn errors<'py>(
     if !(0.0..=2.0).contains(&beta) {
         return Err(value(format!("beta: expected a weight from 0 to 2, found {beta}")));
     }
-    let compensation = Compensation { beta: single(beta), rate_term: RateTerm::default() };
+    let compensation =
+        Compensation { beta: crate::arrays::single(beta), rate_term: RateTerm::default() };
     let mut measure = Measure {
         method,
         references: References::egocentric(&tree),

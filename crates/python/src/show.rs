@@ -14,7 +14,7 @@ use sinew_retarget::mapping::Mapping;
 use sinew_show::write::Settings;
 use sinew_show::{Player, Show};
 
-use crate::arrays::{Rows, array, is_usable};
+use crate::arrays::{Rows, array};
 use crate::clip::NativeClip;
 use crate::error::value;
 use crate::rig::NativeRig;

@@ -232,7 +232,6 @@ class Board:
             If the show is of another rig, the board does not have it, or a fault ends it.
 
         >>> arm = Rig.arm(2)
-        >>> show = bake([arm.home, arm.home], arm, rate_hz=2)
         >>> with Board.open("sim", arm) as board:
         ...     show = bake([board.state().q] * 2, arm, rate_hz=2)
         ...     board.upload(show)

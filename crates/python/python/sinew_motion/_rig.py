@@ -29,7 +29,6 @@ class Rig:
 
     def __init__(self, native: _native.NativeRig) -> None:
         self._native = native
-        self._nv = native.nv
 
     @classmethod
     def load(
@@ -122,7 +121,7 @@ class Rig:
     @property
     def nv(self) -> int:
         """The number of dofs, which is the number of speeds, accelerations and efforts."""
-        return self._nv
+        return self._native.nv
 
     @property
     def body_names(self) -> list[str]:

@@ -20,7 +20,7 @@ use pyo3::prelude::*;
 use sinew_performance::play::ServoChoice;
 use sinew_show::Show;
 
-use crate::arrays::{is_usable, single};
+use crate::arrays::single;
 use crate::error::value;
 use crate::rig::NativeRig;
 use crate::show::NativeShow;
@@ -175,10 +175,6 @@ impl NativeBoard {
 
     fn live(&self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>) -> PyResult<()> {
         self.done(py, Order::Live { q: self.pose(&q)? })
-    }
-
-    fn load(&self, py: Python<'_>, show: PyRef<'_, NativeShow>) -> PyResult<()> {
-        self.done(py, Order::Load { bytes: show.bytes.clone() })
     }
 
     fn play(&self, py: Python<'_>, show: PyRef<'_, NativeShow>, rounds: u32) -> PyResult<()> {

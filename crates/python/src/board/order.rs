@@ -40,10 +40,6 @@ pub(super) enum Order {
     Live {
         q: Vec<f32>,
     },
-    /// Stores a show on the board, and selects it.
-    Load {
-        bytes: Vec<u8>,
-    },
     Play {
         bytes: Vec<u8>,
         rounds: u32,

@@ -126,7 +126,6 @@ impl<'a, L: Line> Session<'a, L> {
             Order::Arm => self.arm()?,
             Order::Goto { q, least } => self.goto(&q, least)?,
             Order::Live { q } => self.follow(&q)?,
-            Order::Load { bytes } => self.load(&bytes)?,
             Order::Play { bytes, rounds } => self.play(&bytes, rounds)?,
             Order::Upload { bytes } => {
                 self.put_show(&bytes)?;
@@ -364,8 +363,7 @@ impl<'a, L: Line> Session<'a, L> {
         Ok(())
     }
 
-    /// Stores a show on the board unless it has the show, and selects it.
-    fn load(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
+    fn play(&mut self, bytes: &[u8], rounds: u32) -> anyhow::Result<()> {
         let show = Show::open(bytes)?;
         let slot = self.put_show(bytes)?;
         self.wait(Duration::ZERO)?;
