@@ -35,7 +35,7 @@ static COMMANDS: AtomicU64 = AtomicU64::new(1);
 pub(crate) struct Door {
     path: PathBuf,
     is_over: Arc<AtomicBool>,
-    /// One copy for the door, one for its thread, and one for each request that is not answered yet.
+    /// One copy for the door, and one for each request that is not answered yet.
     asked: Arc<()>,
 }
 
@@ -60,14 +60,15 @@ impl Door {
             let text = format!("{}: belongs to another user", folder.display());
             return Err(io::Error::new(io::ErrorKind::PermissionDenied, text));
         }
-        let (is_over, asked) = (Arc::clone(&door.is_over), Arc::clone(&door.asked));
+        let (is_over, asked) = (Arc::clone(&door.is_over), Arc::downgrade(&door.asked));
         let accept = move || {
             for stream in listener.incoming() {
                 if is_over.load(Ordering::Relaxed) {
                     break;
                 }
                 let Ok(stream) = stream else { continue };
-                let (hub, asked) = (hub.clone(), Arc::clone(&asked));
+                let Some(asked) = asked.upgrade() else { break };
+                let hub = hub.clone();
                 // If a connection fails, nobody waits for the reason.
                 let _ = thread::Builder::new().spawn(move || serve(&stream, &hub, asked));
             }
@@ -85,7 +86,7 @@ impl Drop for Door {
         let _ = fs::remove_file(&self.path);
         // A program that ends by a request still answers it.
         let end = Instant::now() + ANSWERS;
-        while Arc::strong_count(&self.asked) > 2 && Instant::now() < end {
+        while Arc::strong_count(&self.asked) > 1 && Instant::now() < end {
             thread::sleep(Duration::from_millis(2));
         }
     }
