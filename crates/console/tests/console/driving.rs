@@ -346,9 +346,12 @@ fn a_page_that_gives_up_the_wheel_does_not_arm_any_more() {
     assert!(viewer.ask(json!({ "type": "wheel", "take": true })).0);
     // The page falls silent.
     viewer.say(&json!({ "type": "arm", "id": 101 }));
+    let silent = Instant::now();
     while !refused(&viewer, 101) {
         viewer.hear().unwrap();
     }
+    // The hub would try for 10 s.
+    assert!(silent.elapsed() < ms(6000), "{:?}", silent.elapsed());
     // The board is ready, and nobody asks it to arm.
     console.is_busy.store(false, Ordering::Relaxed);
     let attempts = || {
