@@ -238,16 +238,16 @@ def test_joints_that_follow_go_with_their_leaders(tmp_path: pathlib.Path) -> Non
     sm.Rig.arm(3).save(file)
     text = file.read_text()
     names = sm.Rig.arm(3).joint_names
-    tie = f'joint = "{names[2]}"\nother = "{names[1]}"\nother_factor = -0.5\nleast_deg = 10\nmost_deg = 10\n'
+    tie = f'joint = "{names[2]}"\nother = "{names[1]}"\nother_factor = -0.5\nleast_deg = 20\nmost_deg = 20\n'
     file.write_text(f"{text}\n[[limit]]\n{tie}")
     with sm.Board.open(f"sim:{file}") as board:
         board.arm()
         goal = board.state().q.copy()
-        goal[1] += 0.1
-        goal[2] += 0.3
+        goal[0] += 0.1
+        goal[1] += 0.3
         board.goto(goal)
         q = board.state().q
-        assert abs(q[2] - 0.5 * q[1] - np.deg2rad(10.0)) < 0.03 and abs(q[1] - goal[1]) < 0.05
+        assert abs(q[1] - 0.5 * q[0] - np.deg2rad(20.0)) < 0.03 and abs(q[0] - goal[0]) < 0.05
 
 
 def test_rounds_count_from_the_first_pose() -> None:
