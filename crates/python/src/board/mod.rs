@@ -10,7 +10,7 @@ mod session;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel, sync_channel};
 use std::sync::{Mutex, PoisonError};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use numpy::PyReadonlyArray1;
@@ -49,6 +49,7 @@ const CANCEL: Duration = Duration::from_secs(3);
 #[pyclass(frozen, module = "sinew_motion._sinew_motion")]
 pub(crate) struct NativeBoard {
     orders: Mutex<Option<Sender<Asked>>>,
+    thread: Mutex<Option<JoinHandle<()>>>,
     nq: usize,
 }
 
@@ -78,8 +79,9 @@ pub(crate) fn open_board(
             let _ = opened.try_send(Err(format!("{error:#}")));
         }
     };
-    thread::Builder::new().name("board".to_owned()).stack_size(STACK_BYTES).spawn(serve)?;
-    let board = NativeBoard { orders: Mutex::new(Some(orders)), nq };
+    let thread = thread::Builder::new().name("board".to_owned());
+    let thread = Mutex::new(Some(thread.stack_size(STACK_BYTES).spawn(serve)?));
+    let board = NativeBoard { orders: Mutex::new(Some(orders)), thread, nq };
     wait(py, &Cancel::default(), open)?;
     Ok(board)
 }
@@ -241,6 +243,12 @@ impl NativeBoard {
         }
         let closed = self.done(py, Order::Close);
         self.orders.lock().unwrap_or_else(PoisonError::into_inner).take();
+        // After an error, the thread may still stop the rig.
+        let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(thread) = thread.filter(|_| closed.is_ok()) {
+            // The port and the socket for other terminals are free afterwards.
+            let _ = py.detach(|| thread.join());
+        }
         closed
     }
 }
