@@ -75,8 +75,8 @@ impl SessionRecord {
         self.faults.extend(faults.iter().map(name));
     }
 
-    /// Adds the rows that are due. `runs`: whether the clock of a show runs; `is_lost`: whether the board does not answer. Values of
-    /// a time without messages of the board are unknown.
+    /// Adds the rows that are due. `runs`: whether the clock of a show runs; `is_lost`: whether the board does not
+    /// answer. Values of a time without messages of the board are unknown.
     pub(super) fn go_on(
         &mut self,
         scene: &Scene,

@@ -1,5 +1,5 @@
-//! Boards: a thread keeps the session with a board alive, and executes one order after the other. An order to hold or to
-//! stop ends the running one.
+//! Boards: a thread keeps the session with a board alive, and executes one order after the other. An order to hold or
+//! to stop ends the running one.
 
 mod console;
 mod inbox;

@@ -134,8 +134,8 @@ impl Joint {
 
 /// A limit on the sum of two joints' positions: `least <= factor · q[joint] + other_factor · q[other] <= most`.
 ///
-/// For example, two lids that must not overlap: `1 · upper - 1 · lower >= 0`. The sum is in the unit of the first joint.
-/// If one joint turns and the other slides, the second factor is in rad/m or m/rad.
+/// For example, two lids that must not overlap: `1 · upper - 1 · lower >= 0`. The sum is in the unit of the first
+/// joint. If one joint turns and the other slides, the second factor is in rad/m or m/rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkedLimit {
     /// Name of the first joint, of one dof.
