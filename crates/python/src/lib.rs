@@ -11,7 +11,7 @@
 //! - `evaluate`, `motions`: the evaluation and its sweeps, and the motions that they track.
 
 #![forbid(unsafe_code)]
-#![allow(clippy::needless_pass_by_value, reason = "PyO3 passes arrays and objects by value")]
+#![expect(clippy::needless_pass_by_value, reason = "PyO3 passes arrays and objects by value")]
 
 mod arrays;
 #[cfg(unix)]
