@@ -1,6 +1,8 @@
 //! Telemetry and faults that a controller sends on its own.
 
-use sinew_link::message::{Dof, FaultRecord, Servo, SnapshotPart, Summary, TARGET_UNIT, Telemetry};
+use sinew_link::message::{
+    Dof, FaultRecord, SUPPLY_UNIT, Servo, SnapshotPart, Summary, TARGET_UNIT, Telemetry,
+};
 
 /// A measured pose with its tick.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +31,8 @@ pub struct TelemetryLog {
     /// For each dof, the newest commanded position minus the measured position, rad or m. Valid only if the summary has
     /// `errors`.
     pub targets: Vec<f32>,
+    /// For each servo, the newest supply voltage, V; 0 if the servo does not report it.
+    pub supplies: Vec<f32>,
     /// Number of received summaries.
     pub summaries: u32,
     /// Number of frames that did not arrive.
@@ -67,6 +71,11 @@ impl TelemetryLog {
                 let offsets: Vec<f32> =
                     offsets.iter().map(|offset| f32::from(*offset) * TARGET_UNIT).collect();
                 put(&mut self.targets, first, &offsets);
+            }
+            SnapshotPart::Supplies { first, supplies } => {
+                let supplies: Vec<f32> =
+                    supplies.iter().map(|supply| f32::from(*supply) * SUPPLY_UNIT).collect();
+                put(&mut self.supplies, first, &supplies);
             }
         }
     }

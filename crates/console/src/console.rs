@@ -8,9 +8,8 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 use sinew_board_client::{Board, ClientError, Line};
-use sinew_performance::play::Recorder;
 
-use crate::hub::{Ended, Hub, OwnShow, Owner};
+use crate::hub::{Ended, Hub, OwnShow, Owner, Records};
 use crate::local::{Door, Reply, Request};
 use crate::replay::{Player, Replay};
 use crate::scene::Scene;
@@ -104,7 +103,7 @@ impl Console {
 
     /// Runs the hub of a board for pages and other commands, until `stops` counts a signal to end. At the first signal
     /// the rig is stopped, and the hub ends when torque is off; at the second signal the hub ends at once. `name`: name
-    /// by which other commands reach the console; `record`: recording of the session, with
+    /// by which other commands reach the console; `records`: recordings of the session, with
     /// [`RECORD_HZ`](crate::RECORD_HZ) rows a second.
     ///
     /// # Errors
@@ -113,7 +112,7 @@ impl Console {
         self,
         board: &mut Board<L>,
         scene: &Scene,
-        (name, shows, record): (&str, Vec<OwnShow>, Option<Recorder>),
+        (name, shows, records): (&str, Vec<OwnShow>, Records<'_>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
         shows
@@ -125,7 +124,7 @@ impl Console {
         let (served, inbox, options) = self.serve()?;
         let door = open_door(name, served.shared.hub.clone())?;
         let owner = (Owner::Console, options.unattended);
-        let ended = Hub::new(board, scene, owner, inbox).run((shows, record), stops);
+        let ended = Hub::new(board, scene, owner, inbox).run((shows, records), stops);
         drop((door, served));
         ended
     }

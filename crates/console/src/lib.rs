@@ -36,7 +36,7 @@ mod server;
 mod sounds;
 
 pub use console::{Console, Options, execute};
-pub use hub::{Ended, Hosted, OwnShow, Owner, RECORD_HZ};
+pub use hub::{BeginRecord, Ended, Hosted, NewRecord, OwnShow, Owner, RECORD_HZ, Records};
 pub use replay::{Replay, ReplayError};
 pub use scene::{Scene, Source};
 pub use sounds::OwnSound;

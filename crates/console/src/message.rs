@@ -64,6 +64,10 @@ pub(crate) enum PageCommand {
         #[serde(rename = "dof")]
         _dof: usize,
     },
+    /// Begins a recording of the session in a new file, or ends it.
+    Record {
+        on: bool,
+    },
     /// The next binary message is a show.
     Upload {
         name: String,
@@ -96,6 +100,10 @@ pub(crate) enum ToPage<'a> {
         id: u64,
         ok: bool,
         text: &'a str,
+    },
+    /// The file into which the session is recorded; `None`: it is not recorded.
+    Record {
+        file: Option<&'a str>,
     },
     Progress {
         what: &'static str,

@@ -11,7 +11,9 @@
 //! ```
 
 pub use crate::frame::frame_len;
-use crate::message::{DOFS_A_FRAME, POSE_MAX, SERVOS_A_FRAME, TARGETS_A_FRAME, TelemetryParts};
+use crate::message::{
+    DOFS_A_FRAME, POSE_MAX, SERVOS_A_FRAME, SUPPLIES_A_FRAME, TARGETS_A_FRAME, TelemetryParts,
+};
 
 /// Bits per byte on a serial line: start bit, eight data bits, stop bit.
 const BITS_A_BYTE: u32 = 10;
@@ -26,6 +28,7 @@ const NUMBER: usize = 4;
 const DOF: usize = 6;
 const SERVO: usize = 7;
 const TARGET: usize = 3;
+const SUPPLY: usize = 1;
 
 /// Size of a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,6 +80,12 @@ pub const fn snapshot_len(size: RigSize, parts: TelemetryParts) -> usize {
             size.dofs,
             TARGETS_A_FRAME,
             TARGET,
+        ))
+        .saturating_add(list_len(
+            parts.has(TelemetryParts::SUPPLIES),
+            size.servos,
+            SUPPLIES_A_FRAME,
+            SUPPLY,
         ))
 }
 

@@ -15,6 +15,10 @@ use super::service::cycles;
 use super::text;
 use crate::supervisor::{self, Fault};
 
+/// Parts of telemetry that this version sends.
+const PARTS: TelemetryParts =
+    TelemetryParts::ALL.and(TelemetryParts::TARGETS).and(TelemetryParts::SUPPLIES);
+
 impl<
     'a,
     F: NorFlash,
@@ -189,8 +193,7 @@ impl<
         let Some(size) = size else {
             return Outcome::Refused(Refusal::Fault(Fault::SettingsBad.number()));
         };
-        let parts =
-            TelemetryParts(setting.parts.0 & TelemetryParts::ALL.and(TelemetryParts::TARGETS).0);
+        let parts = TelemetryParts(setting.parts.0 & PARTS.0);
         let most = telemetry_hz(self.setup.line_bps, size, parts) as f32;
         let most = most.min(1.0 / self.setup.tick_s);
         let rate_hz = setting.rate_hz.max(0.0).min(most);

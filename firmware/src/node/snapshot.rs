@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 use sinew_core::{BodyState, JointStates, kinematics};
-use sinew_link::message::{self, Dof, Errors, Servo, Summary, TARGET_UNIT};
+use sinew_link::message::{self, Dof, Errors, SUPPLY_UNIT, Servo, Summary, TARGET_UNIT};
 use sinew_rig::board::BoardRig;
 
 use super::mail::Tick;
@@ -108,7 +108,10 @@ pub(super) fn of<
         let errors = servo.missed.saturating_add(servo.not_believed);
         let bus_errors = u16::try_from(errors).unwrap_or(u16::MAX);
         let hardware_error = servo.last_error;
-        let _ = tick.servos.push(Servo { temperature_c, heat_percent, bus_errors, hardware_error });
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
+        let supply = (servo.voltage_v.unwrap_or(0.0) / SUPPLY_UNIT + 0.5) as u8;
+        let of_servo = Servo { temperature_c, heat_percent, bus_errors, hardware_error, supply };
+        let _ = tick.servos.push(of_servo);
     }
     tick
 }

@@ -11,7 +11,7 @@ pub struct Permission {
     /// Source of the commanded pose.
     pub source: Source,
     /// Weight of the source against the pose that was commanded when the source began: from 0 to 1, with speed and
-    /// acceleration zero at both ends.
+    /// acceleration zero at both ends. A jog begins in that pose, and has its whole weight at once.
     pub weight: f32,
     /// Whether the source's own time advances: a show waits at its first pose until the rig has reached it.
     pub runs: bool,
@@ -49,7 +49,8 @@ impl Permission {
         };
         let is_fed = matches!(source, Source::Feed(_));
         let runs = is_fed && blended >= 1.0 && !mode.is_soft;
-        Self { torque, source, weight: smooth(blended), runs, speed_rad_s, effort }
+        let weight = if is_jog { 1.0 } else { smooth(blended) };
+        Self { torque, source, weight, runs, speed_rad_s, effort }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::common::{command, sinew_in};
@@ -19,7 +19,13 @@ pub(crate) struct Served {
 
 impl Served {
     pub(crate) fn start(arguments: &[&str]) -> Self {
+        Self::start_in(Path::new("."), arguments)
+    }
+
+    /// Starts a console in a folder, in which its page records.
+    pub(crate) fn start_in(folder: &Path, arguments: &[&str]) -> Self {
         let mut process = command()
+            .current_dir(folder)
             .arg("console")
             .args(arguments)
             .stdin(Stdio::null())
@@ -31,6 +37,12 @@ impl Served {
         let stdout = process.stdout.take().unwrap();
         BufReader::new(stdout).read_line(&mut address).unwrap();
         Self { process, address: address.trim().to_owned() }
+    }
+
+    /// Sends a signal to the console.
+    pub(crate) fn signal(&self, signal: &str) {
+        let id = self.process.id().to_string();
+        assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
     }
 
     /// Returns the address without the token: all addresses that the page may request begin with it.
@@ -55,7 +67,7 @@ fn arm_and_show(folder: &Path) -> [String; 2] {
     ["arm.toml", "punch.show"].map(|name| folder.join(name).display().to_string())
 }
 
-fn text(page: &Page, id: &str) -> String {
+pub(crate) fn text(page: &Page, id: &str) -> String {
     let text = page.ask(&format!("document.getElementById('{id}').textContent"));
     text.as_str().unwrap().to_owned()
 }
@@ -101,7 +113,7 @@ fn position(page: &Page, joint: usize) -> f64 {
 fn a_rig_is_armed_moved_played_and_stopped_from_the_page() {
     let folder = tempfile::tempdir().unwrap();
     let [rig, show] = arm_and_show(folder.path());
-    let console = Served::start(&["--rig", &rig, &show]);
+    let console = Served::start_in(folder.path(), &["--rig", &rig, &show]);
     let origin = console.origin().to_owned();
     with_url(
         &console.address,
@@ -114,6 +126,7 @@ fn a_rig_is_armed_moved_played_and_stopped_from_the_page() {
             a_scrub_moves_the_ghost_alone(page);
             the_show_plays_loops_and_is_held(page);
             an_emergency_stop_is_a_fault_that_is_cleared(page);
+            a_session_is_recorded(page, folder.path());
             arm(page);
             page.hold("#stop", 50);
             wait_for_state(page, "limp");
@@ -200,6 +213,18 @@ fn an_emergency_stop_is_a_fault_that_is_cleared(page: &Page) {
     // A warning may stay for a moment: the arm fell and swings.
     let is_told = "document.getElementById('faults').textContent.includes('Fault')";
     wait_until(page, &format!("!{is_told}"));
+}
+
+fn a_session_is_recorded(page: &Page, folder: &Path) {
+    page.hold("#record", 50);
+    wait_until(page, "!document.getElementById('recording').hidden");
+    let file = text(page, "record-file");
+    assert!(file.starts_with("Recording into ") && file.ends_with("session-1.parquet"), "{file}");
+    page.wait_ms(1000);
+    page.hold("#record", 50);
+    wait_until(page, "document.getElementById('recording').hidden");
+    let report = ["report", "session-1.parquet", "-o", "session.html"];
+    assert!(sinew_in(folder, &report).status.success());
 }
 
 /// Simulates a silent servo and a hot servo. The page must name the joint and the remedy, mark the servo, and clear the

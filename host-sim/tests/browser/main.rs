@@ -3,6 +3,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod console;
+mod console_link;
+mod console_pictures;
 mod devtools;
 mod feasibility;
 mod page;

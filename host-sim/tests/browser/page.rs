@@ -173,6 +173,15 @@ impl Page {
         BASE64_STANDARD.decode(printed["data"].as_str().unwrap()).unwrap()
     }
 
+    /// Writes the visible part of the page as `NAME.png` into the folder in the environment variable `SINEW_PICTURES`,
+    /// for a person who looks at it. Without this variable, does nothing.
+    pub(crate) fn picture(&self, name: &str) {
+        let Some(folder) = std::env::var_os("SINEW_PICTURES") else { return };
+        let shot = self.call("Page.captureScreenshot", &json!({ "format": "png" }));
+        let png = BASE64_STANDARD.decode(shot["data"].as_str().unwrap()).unwrap();
+        std::fs::write(Path::new(&folder).join(name).with_extension("png"), png).unwrap();
+    }
+
     /// Checks that the page fits a width: only boxes of their own may scroll sideways.
     pub(crate) fn assert_fits(&self, width: u32) {
         self.resize(width, 800);

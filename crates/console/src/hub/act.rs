@@ -11,7 +11,9 @@ use crate::message::Level;
 use crate::server::PageId;
 
 /// Interval at which the board gets speeds or poses.
-const EVERY: Duration = Duration::from_millis(20);
+pub(super) const EVERY: Duration = Duration::from_millis(20);
+/// Shortest interval, if the goal of a slider changes.
+const SOON: Duration = Duration::from_millis(10);
 /// Longest time until the board follows a feed.
 const START: Duration = Duration::from_secs(1);
 /// Longest wait until the rig can be armed, and the time between two attempts.
@@ -33,7 +35,9 @@ pub(super) struct Feeding<M> {
     /// Number of summaries received when the board began to follow the feed; `None` before.
     follows: Option<u32>,
     begun: Duration,
+    /// Time of the next speed or pose, and the earliest such time.
     due: Duration,
+    soonest: Duration,
 }
 
 /// A show on the board.
@@ -65,7 +69,21 @@ impl Act {
 
 impl<M> Feeding<M> {
     pub(super) fn new(motion: M, now: Duration) -> Self {
-        Self { motion, follows: None, begun: now, due: now }
+        Self { motion, follows: None, begun: now, due: now, soonest: now }
+    }
+
+    /// Makes the next speed due soon, because the goal has changed.
+    pub(super) fn hurry(&mut self) {
+        self.due = self.due.min(self.soonest);
+    }
+
+    /// Returns whether a speed or a pose must be sent now. The next one is then due an interval later.
+    fn is_due(&mut self, now: Duration) -> bool {
+        let is_due = now >= self.due;
+        if is_due {
+            (self.due, self.soonest) = (now + EVERY, now + SOON);
+        }
+        is_due
     }
 }
 
@@ -110,8 +128,7 @@ impl<L: Line> Hub<'_, L> {
         if feeding.motion.is_silent(now) {
             return self.hold().map(|_| ());
         }
-        if now >= feeding.due {
-            feeding.due = now + EVERY;
+        if feeding.is_due(now) {
             let commanded = self.wanted(feeding.motion.coordinate);
             let velocity = feeding.motion.velocity(commanded, now);
             if let Some(mut pose) = feeding.motion.pose() {
@@ -146,8 +163,7 @@ impl<L: Line> Hub<'_, L> {
             self.arrived = Some(arrived);
             return Ok(());
         }
-        if now >= feeding.due {
-            feeding.due = now + EVERY;
+        if feeding.is_due(now) {
             self.send_pose(feeding.motion.at(now), now)?;
         }
         if self.follow(&mut feeding, Feed::Live)? {

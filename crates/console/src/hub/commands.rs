@@ -27,8 +27,8 @@ impl<L: Line> Hub<'_, L> {
         command: PageCommand,
     ) -> Option<Result<String, Refused>> {
         use PageCommand::{
-            Arm, Clear, EStop, Follow, Hello, Hold, Home, Jog, Lower, Ping, Play, Release, Seek,
-            Stop, Upload, Wheel,
+            Arm, Clear, EStop, Follow, Hello, Hold, Home, Jog, Lower, Ping, Play, Record, Release,
+            Seek, Stop, Upload, Wheel,
         };
         let is_driver = self.wheel.is_at(page);
         Some(match command {
@@ -53,6 +53,8 @@ impl<L: Line> Hub<'_, L> {
             _ if !is_driver => {
                 Err(Refused::because("another page drives; this page may hold and stop"))
             }
+            Record { on: true } => self.begin_record(),
+            Record { on: false } => self.end_record(None).map_err(Refused::Other),
             _ if self.closing.is_some() => Err(Refused::because("the program ends")),
             _ if self.lost.is_some() => Err(Refused::because("the board does not answer")),
             Arm => {
@@ -163,7 +165,9 @@ impl<L: Line> Hub<'_, L> {
         if let Some(Act::Slider(feeding)) = &mut self.act
             && feeding.motion.dof == dof
         {
-            feeding.motion.feed(goal, now);
+            if feeding.motion.feed(goal, now) {
+                feeding.hurry();
+            }
             return Ok(String::new());
         }
         if matches!(self.act, Some(Act::Show(_) | Act::Journey(_))) {

@@ -27,7 +27,6 @@ use sinew_board_client::{Board, ClientError, Line};
 use sinew_firmware::node::SETTING_NAMES;
 use sinew_firmware::supervisor::SOFT_MOST_RAD_S;
 use sinew_link::message::{Applied, Command, Refusal, State, TelemetryParts};
-use sinew_performance::play::Recorder;
 
 use crate::message::{Level, PageCommand};
 use crate::scene::Scene;
@@ -43,7 +42,7 @@ use wheel::Wheel;
 
 pub use hosted::Hosted;
 pub use local::Owner;
-pub use session_record::RECORD_HZ;
+pub use session_record::{BeginRecord, NewRecord, RECORD_HZ, Records};
 pub use shows::OwnShow;
 
 /// Snapshots per second that the hub requests from the board.
@@ -106,6 +105,8 @@ pub(crate) struct Hub<'a, L> {
     waiting: Option<Waiting>,
     watchers: Watchers,
     record: Option<SessionRecord>,
+    /// Recordings that may begin later.
+    records: Records<'a>,
     asked: Asked,
     /// Where the last journey has ended; `None` if it was ended before.
     arrived: Option<Result<String, String>>,
@@ -143,6 +144,7 @@ impl<'a, L: Line> Hub<'a, L> {
             waiting: None,
             watchers: Watchers::default(),
             record: None,
+            records: Records::default(),
             asked: Asked::default(),
             arrived: None,
             closing: None,
@@ -152,10 +154,11 @@ impl<'a, L: Line> Hub<'a, L> {
     /// Runs until the rig is stopped after a signal, or a second signal ends it.
     pub(crate) fn run(
         mut self,
-        (shows, record): (Vec<OwnShow>, Option<Recorder>),
+        (shows, records): (Vec<OwnShow>, Records<'a>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
-        self.record = record.map(SessionRecord::new);
+        self.records = records;
+        self.record = self.records.first.take().map(SessionRecord::new);
         self.begin()?;
         for show in shows {
             self.put_own(show)?;
@@ -164,7 +167,7 @@ impl<'a, L: Line> Hub<'a, L> {
             let turned = self.turn();
             let ended = turned.map(|()| self.close(stops())).transpose();
             if let Some(ended) = ended {
-                self.end_record(None);
+                let _ = self.end_record(None);
                 return ended;
             }
         }
@@ -172,37 +175,13 @@ impl<'a, L: Line> Hub<'a, L> {
 
     /// Prepares a session: requests telemetry, reads the speed of sliders, and reads the slots.
     fn begin(&mut self) -> Result<(), ClientError> {
-        let setting =
-            self.board.telemetry(RATE_HZ, TelemetryParts::ALL.and(TelemetryParts::TARGETS))?;
+        let parts = TelemetryParts::ALL.and(TelemetryParts::TARGETS).and(TelemetryParts::SUPPLIES);
+        let setting = self.board.telemetry(RATE_HZ, parts)?;
         self.line_rate_hz = setting.rate_hz;
         let key = SETTING_NAMES.iter().position(|name| *name == "soft_rad_s");
         let key = key.and_then(|place| u16::try_from(place + 1).ok()).unwrap_or_default();
         self.soft_rad_s = self.board.setting(key).unwrap_or(SOFT_MOST_RAD_S);
         self.read_slots()
-    }
-
-    /// Adds all rows that are due to the recording of the session. Ends the recording after an error.
-    fn go_on_record(&mut self) {
-        let shows = matches!(self.act, Some(Act::Show(_)));
-        let (now, log) = (self.board.now(), &self.board.log);
-        let is_lost = self.lost.is_some();
-        let Some(record) = &mut self.record else { return };
-        if let Err(error) = record.go_on(
-            self.scene,
-            log,
-            (now, shows && log.summary.is_some_and(|summary| summary.show_ms > 0), is_lost),
-        ) {
-            self.end_record(Some(error));
-        }
-    }
-
-    /// Finishes the recording, if there is one. `error`: reason why the recording ends early. Reports each error to the
-    /// pages.
-    fn end_record(&mut self, error: Option<String>) {
-        let Some(record) = self.record.take() else { return };
-        if let Some(error) = error.or(record.end().err()) {
-            self.event(Level::Error, &format!("the recording has ended: {error}"));
-        }
     }
 
     /// Handles the waiting messages of pages and other commands.

@@ -2,11 +2,13 @@
 
 use std::time::Duration;
 
-use sinew_board_client::TelemetryLog;
+use sinew_board_client::{Line, TelemetryLog};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{FaultRecord, State};
 use sinew_performance::play::{Recorder, Tick, TickOfJoint};
 
+use super::{Act, Hub, Refused};
+use crate::message::{Level, ToPage};
 use crate::scene::Scene;
 use sinew_board_client::pose;
 
@@ -19,9 +21,30 @@ const FRESH: Duration = Duration::from_millis(500);
 /// Maximum number of rows in a turn of the hub. After a pause of the program many rows are due.
 const ROWS: usize = 32;
 
+/// A recording without rows.
+pub struct NewRecord {
+    /// Writer of the file.
+    pub recorder: Recorder,
+    /// Path of the file, for pages.
+    pub file: String,
+}
+
+/// Creates a recording in a new file, or returns the reason why it cannot.
+pub type BeginRecord<'a> = Box<dyn FnMut() -> Result<NewRecord, String> + 'a>;
+
+/// Recordings of a session.
+#[derive(Default)]
+pub struct Records<'a> {
+    /// Recording that begins with the session.
+    pub first: Option<NewRecord>,
+    /// Begins a recording that a page asks for; `None`: pages cannot record.
+    pub begin: Option<BeginRecord<'a>>,
+}
+
 /// A recording in progress.
 pub(super) struct SessionRecord {
     recorder: Recorder,
+    file: String,
     rows: Rows,
     faults: Vec<String>,
 }
@@ -56,6 +79,80 @@ impl Rows {
     }
 }
 
+impl<L: Line> Hub<'_, L> {
+    /// Begins a recording in a new file.
+    pub(super) fn begin_record(&mut self) -> Result<String, Refused> {
+        if let Some(record) = &self.record {
+            return Err(Refused::Other(format!("{} is being recorded: end it first", record.file)));
+        }
+        if self.closing.is_some() {
+            return Err(Refused::because("the program ends"));
+        }
+        let Some(begin) = &mut self.records.begin else {
+            return Err(Refused::because("this console cannot record"));
+        };
+        let record = SessionRecord::new(begin().map_err(Refused::Other)?);
+        let text = format!("recording into {}", record.file);
+        self.record = Some(record);
+        self.event(Level::Info, &text);
+        self.tell_record();
+        Ok(text)
+    }
+
+    /// Adds all rows that are due to the recording of the session. Ends the recording after an error.
+    pub(super) fn go_on_record(&mut self) {
+        let shows = matches!(self.act, Some(Act::Show(_)));
+        let (now, log) = (self.board.now(), &self.board.log);
+        let is_lost = self.lost.is_some();
+        let Some(record) = &mut self.record else { return };
+        let runs = shows && log.summary.is_some_and(|summary| summary.show_ms > 0);
+        if let Err(error) = record.go_on(self.scene, log, (now, runs, is_lost)) {
+            let _ = self.end_record(Some(error));
+        }
+    }
+
+    /// Ends the recording. `error`: reason why the recording ends early. Reports the file, or the error, to all pages.
+    /// Returns the text of this report.
+    ///
+    /// # Errors
+    /// The text if the recording is not complete, or if there is no recording.
+    pub(super) fn end_record(&mut self, error: Option<String>) -> Result<String, String> {
+        let record = self.record.take().ok_or_else(|| "nothing is being recorded".to_owned())?;
+        let (file, rows) = (record.file.clone(), record.rows.count);
+        let ended = match error.or(record.end().err()) {
+            None => {
+                Ok(format!("the recording has ended: {file}, {:.1} s", f64::from(rows) / RECORD_HZ))
+            }
+            Some(error) => Err(format!("the recording {file} has ended: {error}")),
+        };
+        let (Ok(text) | Err(text)) = &ended;
+        self.event(if ended.is_ok() { Level::Info } else { Level::Error }, text);
+        self.tell_record();
+        ended
+    }
+
+    /// Returns the file into which the session is recorded.
+    pub(super) fn recorded(&self) -> Option<&str> {
+        self.record.as_ref().map(|record| record.file.as_str())
+    }
+
+    fn tell_record(&self) {
+        self.tell_all(&ToPage::Record { file: self.recorded() }.json());
+    }
+}
+
+impl std::fmt::Debug for NewRecord {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("NewRecord").field("file", &self.file).finish_non_exhaustive()
+    }
+}
+
+impl std::fmt::Debug for Records<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Records").field("first", &self.first).finish_non_exhaustive()
+    }
+}
+
 impl std::fmt::Debug for SessionRecord {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("SessionRecord").field("rows", &self.rows.count).finish_non_exhaustive()
@@ -63,8 +160,8 @@ impl std::fmt::Debug for SessionRecord {
 }
 
 impl SessionRecord {
-    pub(super) fn new(recorder: Recorder) -> Self {
-        Self { recorder, rows: Rows::default(), faults: Vec::new() }
+    pub(super) fn new(NewRecord { recorder, file }: NewRecord) -> Self {
+        Self { recorder, file, rows: Rows::default(), faults: Vec::new() }
     }
 
     pub(super) fn hear(&mut self, faults: &[FaultRecord]) {
@@ -87,8 +184,10 @@ impl SessionRecord {
         for (time_s, is_known) in self.rows.due(now, log.summaries, is_lost) {
             let faults = std::mem::take(&mut self.faults);
             let faults = (!faults.is_empty()).then(|| faults.join(", "));
-            let servo = |servo: &sinew_link::message::Servo| {
-                let voltage = Some(summary.supply_v).filter(|v| *v > 0.0);
+            let servo = |(index, servo): (usize, &sinew_link::message::Servo)| {
+                // An older board reports only the lowest voltage of all servos.
+                let own = log.supplies.get(index).copied();
+                let voltage = Some(own.unwrap_or(summary.supply_v)).filter(|v| *v > 0.0);
                 [None, servo.temperature_c.map(f32::from), voltage]
             };
             let tick = if is_known {
@@ -98,7 +197,7 @@ impl SessionRecord {
                     runs: runs && summary.state == State::Playing,
                     faults,
                     joints: joints(scene, log),
-                    servos: log.servos.iter().map(servo).collect(),
+                    servos: log.servos.iter().enumerate().map(servo).collect(),
                 }
             } else {
                 Tick { time_s, faults, ..Tick::default() }

@@ -2,14 +2,19 @@
 
 use std::time::Duration;
 
+use super::act::EVERY;
+
 /// Speed per distance from the goal, 1/s; the joint decelerates towards its goal.
 const PER_S: f32 = 8.0;
+/// Time in which a joint at rest reaches its maximum speed, s. A joint without a limit of acceleration would otherwise
+/// start with a jerk.
+const RISE_S: f32 = 0.04;
 /// Distance from the goal at which it counts as reached, rad or m.
 const THERE: f32 = 2e-4;
 /// Longest time for which the board uses a speed, s.
 const VALID_S: f32 = 0.2;
-/// Time at the goal after which the joint's position is taken from the board. Before it, the board may still be
-/// changing from its hold to the jog, so that its position is of no use.
+/// Time at the goal after which the joint's position is taken from the board. Before it, the joint may still be
+/// approaching the goal, so that its position is of no use.
 const SETTLED: Duration = Duration::from_millis(1500);
 /// Time without a message of the slider after which the joint stops.
 const SILENT: Duration = Duration::from_millis(150);
@@ -45,7 +50,9 @@ impl Slider {
     ) -> Self {
         let at = at.clamp(range[0], range[1]);
         let (velocity, goal) = (0.0, at);
-        let (told, fed, still, pose) = (now, now, now, Vec::new());
+        // The first speed is that of a joint that has started to move an interval ago.
+        let told = now.saturating_sub(EVERY);
+        let (fed, still, pose) = (now, now, Vec::new());
         Self { dof, coordinate, goal, range, most, at, velocity, told, fed, still, pose }
     }
 
@@ -63,9 +70,13 @@ impl Slider {
         Some(pose)
     }
 
-    /// Sets the goal. The page repeats its message while the slider is held.
-    pub(super) fn feed(&mut self, goal: f32, now: Duration) {
-        (self.goal, self.fed) = (goal.clamp(self.range[0], self.range[1]), now);
+    /// Sets the goal, and returns whether it is another goal than before. The page repeats its message while the slider
+    /// is held.
+    pub(super) fn feed(&mut self, goal: f32, now: Duration) -> bool {
+        let goal = goal.clamp(self.range[0], self.range[1]);
+        let is_new = (goal - self.goal).abs() > 0.0;
+        (self.goal, self.fed) = (goal, now);
+        is_new
     }
 
     /// Returns whether the page has sent nothing for too long.
@@ -84,12 +95,16 @@ impl Slider {
             (self.at, self.still) = (commanded, now);
         }
         let far = self.goal - self.at;
-        self.velocity = (far * PER_S).clamp(-self.most, self.most);
         if far.abs() <= THERE {
             self.velocity = 0.0;
-        } else {
-            self.still = now;
+            return self.velocity;
         }
+        self.still = now;
+        let wanted = (far * PER_S).clamp(-self.most, self.most);
+        // The joint may brake at once, but its speed increases gradually.
+        let before = if wanted * self.velocity > 0.0 { self.velocity.abs() } else { 0.0 };
+        let most = before + self.most / RISE_S * since_s;
+        self.velocity = wanted.clamp(-most, most);
         self.velocity
     }
 }
@@ -113,6 +128,23 @@ mod tests {
             at += 0.02 * velocity;
         }
         assert!((at - 0.5).abs() < 1e-3, "{at}");
+    }
+
+    #[test]
+    fn a_joint_starts_and_turns_round_gradually() {
+        let mut slider = Slider::new((0, 0), 0.0, ([-1.0, 1.0], 0.4), ms(0));
+        assert!(slider.feed(0.9, ms(0)) && !slider.feed(0.9, ms(0)));
+        let mut speeds = |goal: f32, from: u64| {
+            slider.feed(goal, ms(from));
+            [0, 20, 40].map(|later| slider.velocity(None, ms(from + later)))
+        };
+        let near = |speeds: [f32; 3], expected: [f32; 3]| {
+            assert!(speeds.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{speeds:?}");
+        };
+        near(speeds(0.9, 0), [0.2, 0.4, 0.4]);
+        near(speeds(-0.9, 60), [-0.2, -0.4, -0.4]);
+        // A new goal arrives 5 ms after the last speed was sent.
+        near(speeds(0.9, 105), [0.05, 0.25, 0.4]);
     }
 
     #[test]

@@ -43,6 +43,7 @@ impl<L: Line> Hub<'_, L> {
             self.wheel.take(page, now);
         }
         self.tell_roles();
+        self.tell_page(page, &ToPage::Record { file: self.recorded() });
     }
 
     pub(super) fn tell_heads(&mut self) {
@@ -55,7 +56,7 @@ impl<L: Line> Hub<'_, L> {
         self.tell_all(&self.shows.json());
     }
 
-    fn tell_all(&self, json: &str) {
+    pub(super) fn tell_all(&self, json: &str) {
         let frame = text(json.to_owned());
         self.pages.values().for_each(|page| page.out.send(&frame));
     }
@@ -184,6 +185,7 @@ impl<L: Line> Hub<'_, L> {
             ghost: self.ghost.as_deref(),
             dofs: &log.dofs,
             servos: &log.servos,
+            supplies: &log.supplies,
         };
         let frame = binary(frame.bytes());
         self.pages.values().for_each(|page| page.out.send(&frame));

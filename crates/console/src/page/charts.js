@@ -18,6 +18,7 @@ const SIGNALS = {
   effort: { text: "Load", of: "dof", unit: force, scale: one, lines: [["effort", "load", "recommended"]] },
   celsius: { text: "Temperature", of: "servo", unit: () => "°C", scale: one, lines: [["celsius", "temperature", "alert"]] },
   heat: { text: "Heat of the winding", of: "servo", unit: () => "%", scale: one, lines: [["heat", "heat", "alert"]] },
+  volts: { text: "Voltage of a servo", of: "servo", unit: () => "V", scale: one, lines: [["volts", "voltage", "focus"]] },
   errors: { text: "Bus errors", of: "servo", unit: () => "", scale: one, lines: [["errors", "errors", "alert"]] },
   supply: { text: "Supply", of: null, unit: () => "V", scale: one, lines: [["supply", "supply", "focus"]] },
   tick: { text: "Duration of a tick", of: null, unit: () => "us", scale: one, lines: [["tick", "tick", "focus"]] },

@@ -7,11 +7,11 @@ const NO_TEMPERATURE = -128;
 // Returns the frame, or null for a message of another kind or length.
 export const decode = (buffer) => {
   const view = new DataView(buffer);
-  if (buffer.byteLength < 24 || view.getUint8(0) !== 1) return null;
+  if (buffer.byteLength < 24 || view.getUint8(0) !== 2) return null;
   const flags = view.getUint8(3);
   const [n, d, s] = [18, 20, 22].map((at) => view.getUint16(at, true));
   const hasGhost = (flags & FLAGS.ghost) !== 0;
-  if (buffer.byteLength < 24 + 4 * (n * (hasGhost ? 3 : 2) + d) + d + 5 * s) return null;
+  if (buffer.byteLength < 24 + 4 * (n * (hasGhost ? 3 : 2) + d) + d + 6 * s) return null;
   let at = 24;
   const floats = (count) => {
     const numbers = new Float32Array(count);
@@ -44,5 +44,6 @@ export const decode = (buffer) => {
     heat: each(s, 1, byte),
     errors: each(s, 2, (i) => view.getUint16(i, true)),
     ownError: each(s, 1, byte),
+    volts: each(s, 1, (i) => optional(byte(i) / 10, 0)),
   };
 };

@@ -6,10 +6,10 @@ const ROWS = 2000;
 export const history = (head) => {
   const [d, s] = [head.dofs.length, head.servos.length];
   const offsets = {
-    measured: 0, wanted: d, effort: 2 * d, celsius: 3 * d, heat: 3 * d + s, errors: 3 * d + 2 * s, supply: 3 * d + 3 * s,
-    tick: 3 * d + 3 * s + 1,
+    measured: 0, wanted: d, effort: 2 * d, celsius: 3 * d, heat: 3 * d + s, errors: 3 * d + 2 * s, volts: 3 * d + 3 * s,
+    supply: 3 * d + 4 * s, tick: 3 * d + 4 * s + 1,
   };
-  const width = 3 * d + 3 * s + 2;
+  const width = 3 * d + 4 * s + 2;
   const numbers = new Float32Array(ROWS * width);
   const times = new Float64Array(ROWS);
   let next = 0, count = 0;
@@ -26,6 +26,7 @@ export const history = (head) => {
         numbers[at + offsets.celsius + index] = frame.celsius[index] ?? NaN;
         numbers[at + offsets.heat + index] = frame.heat[index];
         numbers[at + offsets.errors + index] = frame.errors[index];
+        numbers[at + offsets.volts + index] = frame.volts[index] ?? NaN;
       }
       numbers[at + offsets.supply] = frame.supply > 0 ? frame.supply : NaN;
       numbers[at + offsets.tick] = frame.tick;

@@ -5,6 +5,7 @@ import { byId, make, number, seconds, setDisabled, setHidden, write } from "./do
 import { history } from "./history.js";
 import { joints } from "./joints.js";
 import { log } from "./log.js";
+import { record } from "./record.js";
 import { safety } from "./safety.js";
 import { servos } from "./servos.js";
 import { show } from "./show.js";
@@ -35,6 +36,7 @@ const socket = connect({
   shows: (message) => shows.setShows(message),
   role: (message) => { role = message; refresh(); },
   event: (message) => events.add(message),
+  record: (message) => recording.set(message),
   progress: ({ done }) => shows.setProgress(done),
   frame: (now) => takeFrame(now),
   closed: ({ isRefused, reason }) => {
@@ -53,6 +55,7 @@ const report = (what, { ok, text }) => {
 };
 const shows = show({ send: socket.send, ask: socket.ask, report });
 const events = log(socket.ask, report);
+const recording = record(socket.ask, report);
 const guard = safety(socket.ask, report);
 guard.onHold(() => parts?.joints.release());
 tabs(["joints", "servos", "log"], (name) => { if (name === "log") events.read(); });
@@ -72,7 +75,7 @@ const setHead = (message) => {
   write(byId("rig-name"), head.rig);
   write(byId("source"), SOURCES[head.source] ?? head.source);
   byId("source").className = head.source;
-  for (const id of ["commands", "hold", "wheel-box"]) setHidden(byId(id), !head.commands);
+  for (const id of ["commands", "hold", "wheel-box", "record"]) setHidden(byId(id), !head.commands);
   document.body.classList.toggle("watching", !head.commands);
   const past = history(head);
   parts = {
@@ -140,6 +143,7 @@ const refresh = (swings = new Set()) => {
   if (loss) { write(byId("lost-title"), loss[0]); write(byId("lost-text"), loss[1]); }
   guard.allow(may);
   shows.allow(may);
+  recording.allow(may.record);
   parts?.joints.allow(may.jog);
   events.show(frame?.fault ?? null, may.clear);
   setDisabled(byId("wheel"), !isConnected);

@@ -20,6 +20,7 @@ pub(crate) const FILES: &[(&str, &str, &[u8])] = &[
     ("log.js", JAVASCRIPT, include_bytes!("log.js")),
     ("main.js", JAVASCRIPT, include_bytes!("main.js")),
     ("ping.js", JAVASCRIPT, include_bytes!("ping.js")),
+    ("record.js", JAVASCRIPT, include_bytes!("record.js")),
     ("safety.js", JAVASCRIPT, include_bytes!("safety.js")),
     ("servos.js", JAVASCRIPT, include_bytes!("servos.js")),
     ("show.js", JAVASCRIPT, include_bytes!("show.js")),

@@ -8,13 +8,13 @@ const HOT_C = 60;
 const NEAR_C = 8;
 const ERRORS_SINCE_MS = 10000;
 
-const COLUMNS = ["Servo", "Goal", "Position", "Load", "°C", "Heat", "Bus errors"];
+const COLUMNS = ["Servo", "Goal", "Position", "Load", "°C", "Heat", "Volts", "Bus errors"];
 
 export const servos = (head, choose) => {
   const table = byId("servo-table");
   const rows = head.servos.map((servo) => {
     const cells = Object.fromEntries(
-      ["goal", "position", "load", "celsius", "heat", "errors"].map((name) => [name, make("td")]));
+      ["goal", "position", "load", "celsius", "heat", "volts", "errors"].map((name) => [name, make("td")]));
     const [bar, text] = [make("i", { className: "bar" }), make("span")];
     cells.load.append(bar, text);
     const flags = make("span", { className: "flags" });
@@ -79,6 +79,7 @@ export const servos = (head, choose) => {
         }
         write(cells.celsius, number(frame.celsius[index] ?? NaN, 0));
         write(cells.heat, `${frame.heat[index]} %`);
+        write(cells.volts, number(frame.volts[index] ?? NaN, 1));
         write(cells.errors, newErrors > 0 ? `${errors} (+${newErrors})` : String(errors));
       });
       write(byId("servos-hint"),

@@ -46,6 +46,7 @@ export const permissions = ({ head, frame, isConnected, isDriver, isStale, name 
     jog: may && isFree,
     follow: may && isFree,
     seek: isConnected && head !== null && frame !== null,
+    record: isLive && isDriver,
     upload: may && !isOn(name),
   };
 };

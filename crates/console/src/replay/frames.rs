@@ -42,6 +42,8 @@ struct Row {
     wanted: Vec<f32>,
     dofs: Vec<Dof>,
     servos: Vec<Servo>,
+    /// Supply voltages of servos, V; 0 if not known.
+    supplies: Vec<f32>,
     supply_v: f32,
 }
 
@@ -100,6 +102,7 @@ impl Replay {
             wanted: Vec::new(),
             dofs: Vec::new(),
             servos: Vec::new(),
+            supplies: Vec::new(),
             supply_v: 0.0,
         };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within it")]
@@ -121,6 +124,7 @@ impl Replay {
             ghost: None,
             dofs: &row.dofs,
             servos: &row.servos,
+            supplies: &row.supplies,
         }
         .bytes()
     }
@@ -161,9 +165,13 @@ impl Columns {
             let celsius = column.map_or(f32::NAN, |column| part.servos[column].temperature[at]);
             #[expect(clippy::cast_possible_truncation, reason = "it saturates")]
             let temperature_c = celsius.is_finite().then_some(celsius as i8);
-            Servo { temperature_c, heat_percent: 0, bus_errors: 0, hardware_error: 0 }
+            Servo { temperature_c, heat_percent: 0, bus_errors: 0, hardware_error: 0, supply: 0 }
         });
-        let voltages = self.servos.iter().flatten().map(|column| part.servos[*column].voltage[at]);
+        let volts = |column: &Option<usize>| {
+            let volts = column.map_or(0.0, |column| part.servos[column].voltage[at]);
+            if volts.is_finite() { volts } else { 0.0 }
+        };
+        let supplies: Vec<f32> = self.servos.iter().map(volts).collect();
         let is_on = !matches!(state, None | Some(State::Off | State::Limp | State::Faulted));
         Row {
             state: state.map_or(0, State::number),
@@ -171,7 +179,8 @@ impl Columns {
             measured: positions(scene, &measured),
             dofs: dofs.collect(),
             servos: servos.collect(),
-            supply_v: voltages.filter(|v| v.is_finite()).reduce(f32::min).unwrap_or(0.0),
+            supply_v: supplies.iter().copied().filter(|v| *v > 0.0).reduce(f32::min).unwrap_or(0.0),
+            supplies,
         }
     }
 }

@@ -10,6 +10,9 @@ use tungstenite::{Error, WebSocket};
 
 use crate::other_side::OtherSide;
 
+/// Longest wait for the console. An emulated chip is several times slower than real time.
+const PATIENCE: Duration = Duration::from_secs(60);
+
 /// A frame: the state of the rig, as a page gets it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Picture {
@@ -56,7 +59,7 @@ impl Page {
     /// Opens a WebSocket, and sends nothing.
     pub(crate) fn mute(host: &str) -> Self {
         let mut stream = TcpStream::connect(host).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
         stream.write_all(upgrade(host, Some(&format!("http://{host}"))).as_bytes()).unwrap();
         let mut head = Vec::new();
         while !head.ends_with(b"\r\n\r\n") {
@@ -99,10 +102,10 @@ impl Page {
         Ok(())
     }
 
-    /// Receives messages until a condition is true, for at most 10 s. Meanwhile sends a ping every second.
+    /// Receives messages until a condition is true, for at most [`PATIENCE`]. Meanwhile sends a ping every second.
     pub(crate) fn until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
         let mut said = Instant::now();
-        let end = said + Duration::from_secs(10);
+        let end = said + PATIENCE;
         while !is_so(self) {
             self.hear().unwrap();
             assert!(Instant::now() < end, "{what}: {:?}, {:?}", self.picture, self.texts.last());

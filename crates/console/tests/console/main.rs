@@ -4,6 +4,10 @@
 mod attacks;
 mod client;
 mod driving;
+mod emulated;
 mod load;
+mod many;
 mod other_side;
+mod recording;
 mod replay;
+mod response;

@@ -1,28 +1,34 @@
 //! A console in this program, on a simulated board whose commands are recorded.
 
 use std::io;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use sinew_board_client::{Board, Line, nonce};
 use sinew_console::local::{Reply, Request};
-use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source, execute};
+use sinew_console::{
+    BeginRecord, Console, Ended, NewRecord, Options, OwnShow, RECORD_HZ, Records, Scene, Source,
+    execute,
+};
 use sinew_link::message::{
     Answer, Command, LiveFrame, Numbered, Outcome, Refusal, Stream, ToController, ToHost,
 };
 use sinew_link::{Decoder, FRAME_MAX, encode};
 use sinew_performance::play::{
-    Chip, Drive, HostEnd, Memory, Options as Driven, RigParts, SimulatedBoard, pipe,
+    Chip, Drive, HostEnd, Memory, Options as Driven, Recorder, RigParts, SimulatedBoard, pipe,
 };
-use sinew_rig::{Description, new};
+use sinew_rig::{Description, new, toml_file};
 use sinew_servo_sim::device::{MEMORY_LEN, Servo};
 use sinew_servo_sim::plant::RigPlant;
 use sinew_show::write::{Motion, Settings, write};
 use sinew_show::{Joint, Rate};
 
 const STACK_BYTES: usize = 64 << 20;
+/// Name of the thread of a simulated board with its servos.
+pub(crate) const BOARD: &str = "board";
 
 /// Messages that a board has received: commands, speeds of jogs, and poses.
 #[derive(Debug, Default)]
@@ -33,8 +39,8 @@ pub(crate) struct Told {
 }
 
 /// A line that records the messages of the host.
-struct Tapped {
-    line: HostEnd,
+pub(crate) struct Tapped<L> {
+    line: L,
     decoder: Decoder<ToController>,
     told: Arc<Mutex<Told>>,
     /// Whether the board is too busy to arm: the line then answers in its place.
@@ -45,7 +51,22 @@ struct Tapped {
     stuck_at: Option<LiveFrame>,
 }
 
-impl Line for Tapped {
+impl<L> Tapped<L> {
+    /// Taps a line. The messages are stored in `told`.
+    pub(crate) fn new(line: L, told: &Arc<Mutex<Told>>) -> Self {
+        Self {
+            line,
+            decoder: Decoder::new(),
+            told: Arc::clone(told),
+            is_busy: Arc::default(),
+            answers: Vec::new(),
+            is_stuck: Arc::default(),
+            stuck_at: None,
+        }
+    }
+}
+
+impl<L: Line> Line for Tapped<L> {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         let mut told = self.told.lock().unwrap();
         let (is_busy, answers) = (self.is_busy.load(Ordering::Relaxed), &mut self.answers);
@@ -110,8 +131,12 @@ const TORQUE_ENABLE: u16 = 64;
 /// Goals and speeds of the first servo.
 #[derive(Debug, Default)]
 pub(crate) struct AtServo {
+    /// Time of the last tick: that of this machine, or of an emulated chip.
+    pub(crate) now: Duration,
     /// Goal in the last tick, deg; `None` if torque was off.
     pub(crate) goal_deg: Option<f64>,
+    /// Times at which the goal last decreased, and last increased.
+    pub(crate) changed: [Duration; 2],
     /// Largest step of the goal between two ticks with torque, deg; and largest speed of the shaft, deg/s.
     pub(crate) step_deg: f64,
     pub(crate) speed_deg_s: f64,
@@ -120,17 +145,20 @@ pub(crate) struct AtServo {
 }
 
 impl AtServo {
-    fn look(&mut self, servo: &Servo<'_>) {
+    pub(crate) fn look(&mut self, servo: &Servo<'_>, now: Duration) {
         let has_torque = servo.get(TORQUE_ENABLE) != 0;
         let goal_deg = f64::from(servo.get(GOAL_POSITION)) * 360.0 / TURN_COUNTS;
         let goal_deg = has_torque.then_some(goal_deg);
-        if let (Some(before), Some(now)) = (self.goal_deg, goal_deg) {
-            self.step_deg = self.step_deg.max((now - before).abs());
-            self.way_deg += (now - before).abs();
+        if let (Some(before), Some(goal)) = (self.goal_deg, goal_deg) {
+            self.step_deg = self.step_deg.max((goal - before).abs());
+            self.way_deg += (goal - before).abs();
             let speed = servo.shaft().velocity_rad_s.to_degrees().abs();
             self.speed_deg_s = self.speed_deg_s.max(speed);
+            if (goal - before).abs() > 0.0 {
+                self.changed[usize::from(goal > before)] = now;
+            }
         }
-        self.goal_deg = goal_deg;
+        (self.goal_deg, self.now) = (goal_deg, now);
     }
 }
 
@@ -145,6 +173,8 @@ pub(crate) struct OtherSide {
     pub(crate) servo: Arc<Mutex<AtServo>>,
     pub(crate) is_busy: Arc<AtomicBool>,
     pub(crate) is_stuck: Arc<AtomicBool>,
+    /// Start of this machine's time; `None` if the board has the time of an emulated chip.
+    start: Option<Instant>,
     stops: Arc<AtomicU32>,
     hub: Option<JoinHandle<Ended>>,
     board: Option<JoinHandle<()>>,
@@ -165,26 +195,71 @@ impl OtherSide {
     /// Starts a simulated board with this rig, and a console on it. `drive`: drive of all servos, instead of the
     /// default.
     pub(crate) fn start_on(arm: Description, drive: Option<Drive>, with_show: bool) -> Self {
-        let is_stuck = Arc::default();
-        let Prepared { rig, scene, mut line, told, is_busy, servo, board } =
+        Self::start_in(None, arm, drive, with_show)
+    }
+
+    /// Starts a console whose pages record into `session.parquet` in a folder; without a folder, they cannot record.
+    pub(crate) fn start_in(
+        folder: Option<PathBuf>,
+        arm: Description,
+        drive: Option<Drive>,
+        with_show: bool,
+    ) -> Self {
+        let toml = toml_file::write(&arm);
+        let Prepared { parts, scene, line, told, is_busy, servo, start, board } =
             Prepared::new(arm, drive);
-        line.is_stuck = Arc::clone(&is_stuck);
-        let shows = if with_show { vec![nod(rig)] } else { Vec::new() };
+        let is_stuck = Arc::clone(&line.is_stuck);
+        let shows = if with_show { vec![nod(parts.rig_crc())] } else { Vec::new() };
+        let hub = move |served: Served<'_>| {
+            let mut board = Board::connect(line, nonce(), Duration::from_secs(20)).unwrap();
+            let begin = folder.map(|folder| -> BeginRecord<'_> {
+                Box::new(move || {
+                    let file = folder.join("session.parquet");
+                    let recorder = Recorder::new(&file, (&parts, RECORD_HZ), &toml, &[]);
+                    let recorder = recorder.map_err(|error| error.to_string())?;
+                    Ok(NewRecord { recorder, file: file.display().to_string() })
+                })
+            });
+            served.run(&mut board, &scene, shows, Records { first: None, begin })
+        };
+        let console = Self::serve(hub, told, servo);
+        Self { is_busy, is_stuck, start: Some(start), board: Some(board), ..console }
+    }
+
+    /// Starts a console in a thread of its own. `hub` connects to a board, and runs the console that it is given.
+    pub(crate) fn serve(
+        hub: impl FnOnce(Served<'_>) -> Ended + Send + 'static,
+        told: Arc<Mutex<Told>>,
+        servo: Arc<Mutex<AtServo>>,
+    ) -> Self {
         let console = Console::open(Options::default()).unwrap();
         let address = console.addresses().remove(0);
         let (host, token) = address.strip_prefix("http://").unwrap().split_once("/#").unwrap();
+        let (host, token) = (host.to_owned(), token.to_owned());
         let stops = Arc::new(AtomicU32::new(0));
         let counted = Arc::clone(&stops);
         let name = format!("test-{}-{}", std::process::id(), host.replace([':', '.'], "-"));
         let own_name = name.clone();
-        let hub = thread::spawn(move || {
-            let mut board = Board::connect(line, nonce(), Duration::from_secs(20)).unwrap();
-            let stops = || counted.load(Ordering::Relaxed);
-            console.run(&mut board, &scene, (&name, shows, None), &stops).unwrap()
-        });
-        let (host, token) = (host.to_owned(), token.to_owned());
-        let (hub, board) = (Some(hub), Some(board));
-        Self { host, name: own_name, token, told, servo, is_busy, is_stuck, stops, hub, board }
+        let builder = thread::Builder::new().stack_size(STACK_BYTES);
+        let run = move || hub(Served { console, name: &own_name, stops: &counted });
+        Self {
+            host,
+            name,
+            token,
+            told,
+            servo,
+            is_busy: Arc::default(),
+            is_stuck: Arc::default(),
+            start: None,
+            stops,
+            hub: Some(builder.spawn(run).unwrap()),
+            board: None,
+        }
+    }
+
+    /// Returns the time of the board's clock, as [`AtServo`] has it.
+    pub(crate) fn now(&self) -> Duration {
+        self.start.map_or_else(|| self.servo.lock().unwrap().now, |start| start.elapsed())
     }
 
     /// Returns whether the board got a command.
@@ -199,14 +274,35 @@ impl OtherSide {
     }
 }
 
+/// An open console that has no board yet.
+pub(crate) struct Served<'a> {
+    console: Console,
+    name: &'a str,
+    stops: &'a AtomicU32,
+}
+
+impl Served<'_> {
+    pub(crate) fn run<L: Line>(
+        self,
+        board: &mut Board<L>,
+        scene: &Scene,
+        shows: Vec<OwnShow>,
+        records: Records<'_>,
+    ) -> Ended {
+        let stops = || self.stops.load(Ordering::Relaxed);
+        self.console.run(board, scene, (self.name, shows, records), &stops).unwrap()
+    }
+}
+
 /// A simulated board that waits for its host.
 pub(crate) struct Prepared {
-    rig: u32,
+    parts: Arc<RigParts>,
     scene: Scene,
-    line: Tapped,
+    line: Tapped<HostEnd>,
     pub(crate) told: Arc<Mutex<Told>>,
     pub(crate) is_busy: Arc<AtomicBool>,
     servo: Arc<Mutex<AtServo>>,
+    start: Instant,
     board: JoinHandle<()>,
 }
 
@@ -218,12 +314,14 @@ impl Prepared {
         let scene = Scene::new(&arm.name, &mechanism, &parts, Source::Simulated);
         let (line, end) = pipe();
         let servo: Arc<Mutex<AtServo>> = Arc::default();
-        let seen = Arc::clone(&servo);
+        let (seen, start) = (Arc::clone(&servo), Instant::now());
         let look = move |board: &mut SimulatedBoard<'_, RigPlant>| {
-            board.look_at_servos(|servos| seen.lock().unwrap().look(&servos[0]));
+            let now = start.elapsed();
+            board.look_at_servos(|servos| seen.lock().unwrap().look(&servos[0], now));
         };
-        let rig = parts.rig_crc();
+        let own = Arc::clone(&parts);
         let simulate = move || {
+            let parts = own;
             let chip = Chip::blank();
             SimulatedBoard::<RigPlant>::store_rig(&parts, &chip).unwrap();
             let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
@@ -232,19 +330,12 @@ impl Prepared {
             // It ends when its host is gone.
             let _ = board.serve(end, &AtomicBool::new(false), look);
         };
-        let builder = thread::Builder::new().stack_size(STACK_BYTES);
+        let builder = thread::Builder::new().name(BOARD.to_owned()).stack_size(STACK_BYTES);
         let board = builder.spawn(simulate).unwrap();
-        let (told, is_busy) = (Arc::default(), Arc::default());
-        let line = Tapped {
-            line,
-            decoder: Decoder::new(),
-            told: Arc::clone(&told),
-            is_busy: Arc::clone(&is_busy),
-            answers: Vec::new(),
-            is_stuck: Arc::default(),
-            stuck_at: None,
-        };
-        Self { rig, scene, line, told, is_busy, servo, board }
+        let told = Arc::default();
+        let line = Tapped::new(line, &told);
+        let is_busy = Arc::clone(&line.is_busy);
+        Self { parts, scene, line, told, is_busy, servo, start, board }
     }
 
     /// Executes a command of another terminal on a board without a console.

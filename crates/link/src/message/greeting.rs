@@ -15,7 +15,7 @@ pub struct Version {
 
 impl Version {
     /// Version of this crate.
-    pub const CURRENT: Self = Self { major: 1, minor: 2 };
+    pub const CURRENT: Self = Self { major: 1, minor: 3 };
 
     /// Returns the minor version that a controller of this version and a host of version `host` both support, or
     /// the reason why there is none.

@@ -29,9 +29,9 @@ pub use stored::{
 };
 pub use stream::{LiveFrame, POSE_MAX, Stream};
 pub use telemetry::{
-    ACKNOWLEDGED_SINCE, DOFS_A_FRAME, Dof, Errors, SERVOS_A_FRAME, Servo, Snapshot, SnapshotPart,
-    Summary, TARGET_UNIT, TARGETS_A_FRAME, TELEMETRY_LEAST_HZ, Telemetry, TelemetryParts,
-    TelemetrySetting,
+    ACKNOWLEDGED_SINCE, DOFS_A_FRAME, Dof, Errors, SERVOS_A_FRAME, SUPPLIES_A_FRAME, SUPPLY_UNIT,
+    Servo, Snapshot, SnapshotPart, Summary, TARGET_UNIT, TARGETS_A_FRAME, TELEMETRY_LEAST_HZ,
+    Telemetry, TelemetryParts, TelemetrySetting,
 };
 
 use serde::{Deserialize, Serialize};

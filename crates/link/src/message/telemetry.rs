@@ -15,6 +15,12 @@ pub const SERVOS_A_FRAME: usize = 32;
 /// Maximum number of dofs in a frame of targets.
 pub const TARGETS_A_FRAME: usize = 64;
 
+/// Maximum number of servos in a frame of supply voltages.
+pub const SUPPLIES_A_FRAME: usize = 64;
+
+/// Unit of a servo's supply voltage, V.
+pub const SUPPLY_UNIT: f32 = 0.1;
+
 /// Unit of a target offset, rad or m.
 pub const TARGET_UNIT: f32 = 1e-4;
 
@@ -62,6 +68,13 @@ pub enum SnapshotPart {
         first: u8,
         /// Offsets of dofs in order, in [`TARGET_UNIT`].
         offsets: Vec<i16, TARGETS_A_FRAME>,
+    },
+    /// Supply voltages of servos. Since version 1.3.
+    Supplies {
+        /// Index of the first servo.
+        first: u8,
+        /// Voltages of servos in order, in [`SUPPLY_UNIT`]; 0 for a servo that does not report it.
+        supplies: Vec<u8, SUPPLIES_A_FRAME>,
     },
 }
 
@@ -140,6 +153,10 @@ pub struct Servo {
     pub bus_errors: u16,
     /// Last error number in a reply, in the numbering of the servo's protocol; 0 for none.
     pub hardware_error: u8,
+    /// Supply voltage in [`SUPPLY_UNIT`], at most 25.5 V; 0 if the servo does not report it. It is sent in
+    /// [`SnapshotPart::Supplies`], not in [`SnapshotPart::Servos`].
+    #[serde(skip)]
+    pub supply: u8,
 }
 
 /// Minor version from which on a host acknowledges telemetry.
@@ -164,7 +181,9 @@ impl TelemetryParts {
     /// Commanded minus measured position of dofs, while torque is on. Since version 1.2; an older controller leaves it
     /// out of the setting that it answers.
     pub const TARGETS: Self = Self(16);
-    /// All parts of a snapshot but the targets.
+    /// Supply voltages of servos. Since version 1.3; an older controller leaves it out of the setting that it answers.
+    pub const SUPPLIES: Self = Self(32);
+    /// All parts of a snapshot but the targets and the supply voltages.
     pub const ALL: Self = Self(15);
 
     /// Returns the union of both sets.
@@ -219,6 +238,10 @@ impl Snapshot<'_> {
                 TelemetryParts::TARGETS,
                 self.dofs.len().div_ceil(TARGETS_A_FRAME),
             ))
+            .saturating_add(count(
+                TelemetryParts::SUPPLIES,
+                self.servos.len().div_ceil(SUPPLIES_A_FRAME),
+            ))
     }
 
     /// Returns frame `index` of these parts, with the number `seq`; `None` after the last. O(numbers of the frame).
@@ -253,6 +276,11 @@ impl Snapshot<'_> {
             && let Some((first, offsets)) = chunk(self.dofs, index, |dof| dof.target)
         {
             return Some(SnapshotPart::Targets { first, offsets });
+        }
+        if parts.has(TelemetryParts::SUPPLIES)
+            && let Some((first, supplies)) = chunk(self.servos, index, |servo| servo.supply)
+        {
+            return Some(SnapshotPart::Supplies { first, supplies });
         }
         None
     }

@@ -33,8 +33,13 @@ const LONGEST: Summary = Summary {
 };
 
 const DOF: Dof = Dof { effort: 1.1, limiter: Some(Limit::Supply), target: i16::MIN };
-const SERVO: Servo =
-    Servo { temperature_c: Some(41), heat_percent: 30, bus_errors: u16::MAX, hardware_error: 1 };
+const SERVO: Servo = Servo {
+    temperature_c: Some(41),
+    heat_percent: 30,
+    bus_errors: u16::MAX,
+    hardware_error: 1,
+    supply: 120,
+};
 
 #[test]
 fn all_of_a_snapshot_is_told_once() {
@@ -46,10 +51,13 @@ fn all_of_a_snapshot_is_told_once() {
             ..common::messages::dof(random)
         };
         let dofs: Vec<Dof> = (0..random.below(200)).map(|_| dof(&mut random)).collect();
-        let servos: Vec<Servo> =
-            (0..random.below(200)).map(|_| common::messages::servo(&mut random)).collect();
+        let servo = |random: &mut Random| Servo {
+            supply: random.bits() as u8,
+            ..common::messages::servo(random)
+        };
+        let servos: Vec<Servo> = (0..random.below(200)).map(|_| servo(&mut random)).collect();
         let summary = common::messages::summary(&mut random);
-        let parts = TelemetryParts(random.below(32) as u8);
+        let parts = TelemetryParts(random.below(64) as u8);
         let snapshot = Snapshot {
             tick: random.bits(),
             summary: &summary,
@@ -59,7 +67,7 @@ fn all_of_a_snapshot_is_told_once() {
         };
 
         let mut decoder = Decoder::<ToHost>::new();
-        let mut told = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut told = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for index in 0..snapshot.frames(parts) {
             let part = snapshot.frame(parts, index, index as u16).expect("it is one of them");
             assert_eq!((part.seq, part.tick), (index as u16, snapshot.tick));
@@ -83,6 +91,10 @@ fn all_of_a_snapshot_is_told_once() {
                         assert_eq!(usize::from(first), told.4.len());
                         told.4.extend(offsets);
                     }
+                    SnapshotPart::Supplies { first, supplies } => {
+                        assert_eq!(usize::from(first), told.5.len());
+                        told.5.extend(supplies);
+                    }
                 }
             });
         }
@@ -94,6 +106,9 @@ fn all_of_a_snapshot_is_told_once() {
         assert_eq!(told.2 == bare, parts.has(TelemetryParts::DOFS) || dofs.is_empty());
         let targets: Vec<i16> = dofs.iter().map(|dof| dof.target).collect();
         assert_eq!(told.4 == targets, parts.has(TelemetryParts::TARGETS) || dofs.is_empty());
+        let supplies: Vec<u8> = servos.iter().map(|servo| servo.supply).collect();
+        assert_eq!(told.5 == supplies, parts.has(TelemetryParts::SUPPLIES) || servos.is_empty());
+        let servos: Vec<Servo> = servos.iter().map(|servo| Servo { supply: 0, ..*servo }).collect();
         assert_eq!(told.3 == servos, parts.has(TelemetryParts::SERVOS) || servos.is_empty());
     }
 }
@@ -116,7 +131,7 @@ fn written(size: RigSize, parts: TelemetryParts) -> usize {
 fn the_rate_is_that_of_what_is_written() {
     for count in [0, 1, 6, 20, 42, 43, 64, 65, 100] {
         let size = RigSize { coordinates: count, dofs: count, servos: count };
-        for parts in (0..32).map(TelemetryParts) {
+        for parts in (0..64).map(TelemetryParts) {
             let (sum, written) = (snapshot_len(size, parts), written(size, parts));
             // Never above the computed size, and at most a byte below, which frames of up to 254 bytes save.
             assert!(written <= sum && sum <= written + 8, "{size:?} {parts:?}: {written}, {sum}");
@@ -146,5 +161,7 @@ fn parts_are_bits() {
         TelemetryParts::SERVOS,
     ];
     assert_eq!(all.into_iter().reduce(TelemetryParts::and), Some(TelemetryParts::ALL));
-    assert!(!TelemetryParts::ALL.has(TelemetryParts::TARGETS));
+    for later in [TelemetryParts::TARGETS, TelemetryParts::SUPPLIES] {
+        assert!(!TelemetryParts::ALL.has(later));
+    }
 }

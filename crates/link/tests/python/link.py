@@ -229,7 +229,8 @@ def part(r):
         lambda: summary(r), lambda: (r.byte(), r.list(r.real)),
         lambda: (r.byte(), r.list(lambda: (r.real(), r.optional(r.count)))),
         lambda: (r.byte(), r.list(lambda: (r.optional(r.byte), r.byte(), r.count(), r.byte()))),
-        lambda: (r.byte(), r.list(r.signed)))
+        lambda: (r.byte(), r.list(r.signed)),
+        lambda: (r.byte(), r.list(r.byte)))
 
 
 def decode(body):

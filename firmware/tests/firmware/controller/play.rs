@@ -169,6 +169,34 @@ fn another_show_while_one_plays_holds_the_rig() {
 }
 
 #[test]
+fn a_jog_moves_at_once_within_speed_and_acceleration() {
+    for kind in [Kind::Current, Kind::Voltage, Kind::Position] {
+        let mut test_rig = TestRig::new(kind, Start::default());
+        test_rig.arm();
+        test_rig.until(State::Holding, 2.0);
+        let (dt_s, dof) = (1.0 / kind.rate_hz() as f32, figure(kind).board.dofs()[0]);
+        let from = test_rig.controller.commanded().0[0];
+        // The joint moves forth and back; without the input it brakes.
+        let (mut before, mut way) = (0.0_f32, 0.0_f32);
+        for speed in [Some(9.0), Some(-9.0), None] {
+            test_rig.jog = speed.map(|speed| Jog { dof: 0, speed });
+            for tick in 0..test_rig.ticks_of(0.2) {
+                let begins = tick == 0 && speed == Some(9.0);
+                test_rig.tick(begins.then_some(Command::Play(Feed::Jog)));
+                let (q, qd) = test_rig.controller.commanded();
+                let step = (qd[0] - before).abs();
+                assert!(step <= dof.acceleration * dt_s * 1.01, "{kind:?}: {before} to {}", qd[0]);
+                assert!(qd[0].abs() <= SOFT_MOST_RAD_S * 1.001);
+                (before, way) = (qd[0], way.max(q[0] - from));
+            }
+        }
+        // In 0.2 s at 20 deg/s a joint moves by 0.07 rad.
+        assert!(way > 0.05, "{kind:?}: {way} rad");
+        assert!(before.abs() < 1e-3, "{kind:?}: stands");
+    }
+}
+
+#[test]
 fn a_jog_that_is_no_number_is_a_fault() {
     for speed in [f32::NAN, f32::INFINITY] {
         let mut test_rig = holding();

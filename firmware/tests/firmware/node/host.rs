@@ -26,7 +26,7 @@ pub(crate) struct Host {
     heard: Option<u16>,
     pub(crate) outcome: Option<Outcome>,
     pub(crate) summaries: Vec<Summary>,
-    pub(crate) parts: [u32; 5],
+    pub(crate) parts: [u32; 6],
     pub(crate) faults: Vec<FaultRecord>,
     /// Messages to another program.
     pub(crate) others: Vec<ToHost>,
@@ -54,7 +54,7 @@ impl Host {
             heard: None,
             outcome: None,
             summaries: Vec::new(),
-            parts: [0; 5],
+            parts: [0; 6],
             faults: Vec::new(),
             others: Vec::new(),
             cut: Vec::new(),
@@ -150,6 +150,7 @@ impl Host {
                         SnapshotPart::Dofs { .. } => 2,
                         SnapshotPart::Servos { .. } => 3,
                         SnapshotPart::Targets { .. } => 4,
+                        SnapshotPart::Supplies { .. } => 5,
                     };
                     self.parts[part] += 1;
                 }

@@ -64,8 +64,10 @@ fn a_blank_board_gets_a_rig_settings_and_a_show_and_plays_it() {
         matches!(set, Outcome::Limited(Applied::Telemetry(_), message::Limit::Link)),
         "{set:?}"
     );
-    let telemetry =
-        TelemetrySetting { rate_hz: 20.0, parts: TelemetryParts::ALL.and(TelemetryParts::TARGETS) };
+    let telemetry = TelemetrySetting {
+        rate_hz: 20.0,
+        parts: TelemetryParts::ALL.and(TelemetryParts::TARGETS).and(TelemetryParts::SUPPLIES),
+    };
     world.ask(Command::SetTelemetry(telemetry));
     world.until(State::Limp, 2.0);
     assert_eq!(world.servos_on(), 0);

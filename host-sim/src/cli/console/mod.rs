@@ -91,6 +91,8 @@ pub(super) struct ConsoleArgs {
     unattended: bool,
 
     /// Record the session into this Parquet file, with 30 rows per second. `sinew report` and `sinew console` read it.
+    /// Default: a button of the page begins and ends recordings, in files session-1.parquet, session-2.parquet, .. of
+    /// the working folder.
     #[arg(long, value_name = "FILE.parquet")]
     record: Option<OutputPath>,
 
@@ -278,10 +280,10 @@ impl Served<'_> {
         let Self { args, rig, parts, source, stop } = self;
         let console = args.open()?;
         let scene = Scene::new(&rig.description.name, &rig.mechanism, parts, source);
-        let record = args.recorder(rig, parts)?;
+        let records = args.records(rig, parts)?;
         let _redirect = args.tell(&console.addresses())?;
         note(format_args!("open this address in a browser; Ctrl-C stops the rig and ends"));
-        match console.run(board, &scene, (name, shows, record), &|| stop.times()) {
+        match console.run(board, &scene, (name, shows, records), &|| stop.times()) {
             Ok(Ended::Stopped) => {
                 note(format_args!("torque is off"));
                 Ok(ExitCode::SUCCESS)

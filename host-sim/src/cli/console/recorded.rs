@@ -1,12 +1,12 @@
 //! Recordings: a recorded session on the console's page, and the recording of the present session.
 
 use std::fs::File;
-use std::io::Read as _;
-use std::path::Path;
+use std::io::{ErrorKind, Read as _};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
-use sinew_console::{RECORD_HZ, Replay, Scene, Source};
+use sinew_console::{NewRecord, RECORD_HZ, Records, Replay, Scene, Source};
 use sinew_performance::play::{Recorder, Recording, RigParts};
 use sinew_performance::rig::LoadedRig;
 use sinew_rig::toml_file;
@@ -17,6 +17,8 @@ use crate::cli::stop::Stop;
 
 /// First bytes of a Parquet file.
 const MAGIC: &[u8; 4] = b"PAR1";
+/// Maximum number of recordings that pages begin in a folder.
+const SESSIONS: u32 = 9999;
 
 impl ConsoleArgs {
     /// Returns the recording among the files of the command line, if there is one. It must be the only file.
@@ -57,20 +59,41 @@ impl ConsoleArgs {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// Creates the recording of the session, if `--record` is given.
-    pub(super) fn recorder(
+    /// Returns the recordings of the session: that of `--record`, and those that a page begins.
+    pub(super) fn records<'a>(
         &self,
         rig: &LoadedRig,
-        parts: &RigParts,
-    ) -> anyhow::Result<Option<Recorder>> {
-        let begin = |path: &Path| {
-            let rig = toml_file::write(&rig.description);
+        parts: &'a RigParts,
+    ) -> anyhow::Result<Records<'a>> {
+        let rig = toml_file::write(&rig.description);
+        let new = move |path: &Path| {
             let notes = [("show", "a session of the console")];
-            Recorder::new(path, (parts, RECORD_HZ), &rig, &notes)
-                .with_context(|| path.display().to_string())
+            let recorder = Recorder::new(path, (parts, RECORD_HZ), &rig, &notes)
+                .with_context(|| path.display().to_string())?;
+            anyhow::Ok(NewRecord { recorder, file: path.display().to_string() })
         };
-        self.record.as_deref().map(begin).transpose()
+        let first = self.record.as_deref().map(&new).transpose()?;
+        let begin = move || {
+            let begun = new_file().and_then(|path| new(&path));
+            begun.map_err(|error| format!("{error:#}"))
+        };
+        Ok(Records { first, begin: Some(Box::new(begin)) })
     }
+}
+
+/// Creates the first file session-1.parquet, session-2.parquet, .. of the working folder that does not exist, and
+/// returns its path. The file keeps its name for this recording, also if another console records in this folder.
+fn new_file() -> anyhow::Result<PathBuf> {
+    let folder = std::env::current_dir().context("the working folder")?;
+    for number in 1..=SESSIONS {
+        let path = folder.join(format!("session-{number}.parquet"));
+        match File::create_new(&path) {
+            Ok(_) => return Ok(path),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error).with_context(|| path.display().to_string()),
+        }
+    }
+    bail!("{}: it has session-1.parquet to session-{SESSIONS}.parquet already", folder.display())
 }
 
 fn is_recording(path: &Path) -> bool {

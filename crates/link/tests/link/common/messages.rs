@@ -264,17 +264,19 @@ pub(crate) fn servo(r: &mut Random) -> Servo {
         heat_percent: r.bits() as u8,
         bus_errors: r.bits() as u16,
         hardware_error: r.bits() as u8,
+        supply: 0,
     }
 }
 
 fn part(r: &mut Random) -> SnapshotPart {
     let first = r.bits() as u8;
-    match r.below(5) {
+    match r.below(6) {
         0 => SnapshotPart::Summary(summary(r)),
         1 => SnapshotPart::Pose { first, q: r.list(Random::finite) },
         2 => SnapshotPart::Dofs { first, dofs: r.list(dof) },
         3 => SnapshotPart::Servos { first, servos: r.list(servo) },
-        _ => SnapshotPart::Targets { first, offsets: r.list(|r| r.bits() as i16) },
+        4 => SnapshotPart::Targets { first, offsets: r.list(|r| r.bits() as i16) },
+        _ => SnapshotPart::Supplies { first, supplies: r.list(|r| r.bits() as u8) },
     }
 }
 

@@ -16,8 +16,12 @@ use crate::play::{BODIES, DOFS, SERVOS};
 
 const SECTOR_LEN: u32 = 0x4000;
 
+/// Size of a sector of the log, bytes. It has room for two rigs of [`SERVOS`] servos: the old rig stays until the new
+/// one is complete.
+const LOG_SECTOR_LEN: u32 = 0x1_0000;
+
 /// Size of the flash, bytes.
-const FLASH_LEN: usize = 0x8_C000;
+const FLASH_LEN: usize = 0xA_4000;
 
 #[expect(clippy::cast_possible_truncation, reason = "they are small")]
 const CAPACITY: Capacity =
@@ -25,10 +29,10 @@ const CAPACITY: Capacity =
 
 /// Layout with two slots of 256 kB, enough for minutes.
 pub(super) const TABLE: BoardTable = BoardTable {
-    log: Area { start: 0x4000, sector_len: SECTOR_LEN, sectors: 2 },
+    log: Area { start: 0x4000, sector_len: LOG_SECTOR_LEN, sectors: 2 },
     slots: &[
-        Area { start: 0xC000, sector_len: SECTOR_LEN, sectors: 16 },
-        Area { start: 0x4_C000, sector_len: SECTOR_LEN, sectors: 16 },
+        Area { start: 0x2_4000, sector_len: SECTOR_LEN, sectors: 16 },
+        Area { start: 0x6_4000, sector_len: SECTOR_LEN, sectors: 16 },
     ],
     capacity: CAPACITY,
 };
@@ -76,7 +80,8 @@ impl Chip {
         if bytes.len() != FLASH_LEN {
             let found = bytes.len();
             return Err(io::Error::other(format!(
-                "is not the flash of a simulated board: it has {found} bytes, expected {FLASH_LEN}"
+                "is not the flash of a simulated board of this version: it has {found} bytes, expected {FLASH_LEN}; \
+                 another file, or none, is blank flash"
             )));
         }
         let file = Some(Rc::new(RefCell::new(file)));
