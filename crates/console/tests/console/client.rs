@@ -11,7 +11,7 @@ use tungstenite::{Error, WebSocket};
 use crate::other_side::OtherSide;
 
 /// Longest wait for the console. An emulated chip is several times slower than real time.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 
 /// A frame: the state of the rig, as a page gets it.
 #[derive(Debug, Clone, Copy)]

@@ -42,8 +42,9 @@ impl Line for Observed<'_> {
         loop {
             let count = self.board.receive(into, STEP.min(end.saturating_sub(self.now())))?;
             (self.board.bus, self.board.other) = (Vec::new(), Vec::new());
-            let servos = self.board.servos.line.servos.bench().servos();
-            self.servo.lock().unwrap().look(&servos[0], self.now());
+            let now = self.now();
+            let bench = self.board.servos.line.servos.bench();
+            self.servo.lock().unwrap().look(&bench.servos()[0], now);
             if count > 0 || self.now() >= end {
                 return Ok(count);
             }

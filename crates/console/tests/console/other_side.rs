@@ -222,8 +222,10 @@ impl OtherSide {
             });
             served.run(&mut board, &scene, shows, Records { first: None, begin })
         };
-        let console = Self::serve(hub, told, servo);
-        Self { is_busy, is_stuck, start: Some(start), board: Some(board), ..console }
+        let mut console = Self::serve(hub, told, servo);
+        (console.is_busy, console.is_stuck) = (is_busy, is_stuck);
+        (console.start, console.board) = (Some(start), Some(board));
+        console
     }
 
     /// Starts a console in a thread of its own. `hub` connects to a board, and runs the console that it is given.

@@ -71,7 +71,7 @@ fn slide(console: &OtherSide, page: &mut Page, goal: f32, more: Duration) -> Dur
         page.hear().unwrap();
         let changed = console.servo.lock().unwrap().changed[way];
         if took.is_none() && changed > asked {
-            took = Some(changed - asked);
+            took = Some(changed.saturating_sub(asked));
             end = console.now() + more;
         }
     }
@@ -101,7 +101,7 @@ pub(crate) fn from_rest(console: &OtherSide, page: &mut Page) -> Responses {
 /// Measures the time to the first count of a servo's goal in the other direction, while the joint moves. The joint
 /// brakes first.
 pub(crate) fn in_motion(console: &OtherSide, page: &mut Page) -> Responses {
-    let turn = |turn: usize| {
+    let mut turn = |turn: usize| {
         let goal = if turn.is_multiple_of(2) { 1.2 } else { -1.2 };
         slide(console, page, goal, ms(60 + (7 * turn as u64) % 34))
     };
