@@ -12,7 +12,7 @@ use crate::server::PageId;
 
 /// Interval at which the board gets speeds or poses.
 pub(super) const EVERY: Duration = Duration::from_millis(20);
-/// Shortest interval, if the goal of a slider changes.
+/// Shortest interval, if the goal or the speed of a slider changes.
 const SOON: Duration = Duration::from_millis(10);
 /// Longest time until the board follows a feed.
 const START: Duration = Duration::from_secs(1);
@@ -72,7 +72,7 @@ impl<M> Feeding<M> {
         Self { motion, follows: None, begun: now, due: now, soonest: now }
     }
 
-    /// Makes the next speed due soon, because the goal has changed.
+    /// Makes the next speed due soon, because the goal has changed, or the speed is changing.
     pub(super) fn hurry(&mut self) {
         self.due = self.due.min(self.soonest);
     }
@@ -137,6 +137,9 @@ impl<L: Line> Hub<'_, L> {
             } else {
                 let dof = u8::try_from(feeding.motion.dof).unwrap_or(u8::MAX);
                 self.send(Stream::Jog { dof, velocity })?;
+                if feeding.motion.changes() {
+                    feeding.hurry();
+                }
             }
         }
         let feed =

@@ -6,9 +6,10 @@ use super::act::EVERY;
 
 /// Speed per distance from the goal, 1/s; the joint decelerates towards its goal.
 const PER_S: f32 = 8.0;
-/// Time in which a joint at rest reaches its maximum speed, s. A joint without a limit of acceleration would otherwise
-/// start with a jerk.
-const RISE_S: f32 = 0.04;
+/// Time in which a joint at rest reaches its maximum speed, s, and time in which it brakes from this speed. A servo gets
+/// friction and drag in advance; with a faster change of speed, they would move it by a jerk.
+const RISE_S: f32 = 0.15;
+const BRAKE_S: f32 = 0.04;
 /// Distance from the goal at which it counts as reached, rad or m.
 const THERE: f32 = 2e-4;
 /// Longest time for which the board uses a speed, s.
@@ -32,6 +33,8 @@ pub(super) struct Slider {
     /// Position that the board commands, computed from the speeds that it got.
     at: f32,
     velocity: f32,
+    /// Whether the velocity does not yet have the value that the distance from the goal needs.
+    changes: bool,
     told: Duration,
     fed: Duration,
     /// Time at which the joint reached its goal.
@@ -52,8 +55,8 @@ impl Slider {
         let (velocity, goal) = (0.0, at);
         // The first speed is that of a joint that has started to move an interval ago.
         let told = now.saturating_sub(EVERY);
-        let (fed, still, pose) = (now, now, Vec::new());
-        Self { dof, coordinate, goal, range, most, at, velocity, told, fed, still, pose }
+        let (fed, still, pose, changes) = (now, now, Vec::new(), false);
+        Self { dof, coordinate, goal, range, most, at, velocity, changes, told, fed, still, pose }
     }
 
     /// Makes the slider send poses instead of speeds, because other joints follow its joint. `pose`: present pose of
@@ -96,16 +99,22 @@ impl Slider {
         }
         let far = self.goal - self.at;
         if far.abs() <= THERE {
-            self.velocity = 0.0;
+            (self.velocity, self.changes) = (0.0, false);
             return self.velocity;
         }
         self.still = now;
         let wanted = (far * PER_S).clamp(-self.most, self.most);
-        // The joint may brake at once, but its speed increases gradually.
-        let before = if wanted * self.velocity > 0.0 { self.velocity.abs() } else { 0.0 };
-        let most = before + self.most / RISE_S * since_s;
-        self.velocity = wanted.clamp(-most, most);
+        let [rise, brake] = [RISE_S, BRAKE_S].map(|time_s| self.most / time_s * since_s);
+        let way = if self.velocity < 0.0 { -1.0 } else { 1.0 };
+        let before = way * self.velocity;
+        self.velocity = way * (way * wanted).clamp((before - brake).max(-rise), before + rise);
+        self.changes = (self.velocity - wanted).abs() > 0.0;
         self.velocity
+    }
+
+    /// Returns whether the joint is still changing its speed, as of the last call of [`Self::velocity`].
+    pub(super) fn changes(&self) -> bool {
+        self.changes
     }
 }
 
@@ -132,19 +141,19 @@ mod tests {
 
     #[test]
     fn a_joint_starts_and_turns_round_gradually() {
-        let mut slider = Slider::new((0, 0), 0.0, ([-1.0, 1.0], 0.4), ms(0));
-        assert!(slider.feed(0.9, ms(0)) && !slider.feed(0.9, ms(0)));
+        let mut slider = Slider::new((0, 0), 0.0, ([-1.0, 1.0], 0.3), ms(100));
+        assert!(slider.feed(0.9, ms(100)) && !slider.feed(0.9, ms(100)));
         let mut speeds = |goal: f32, from: u64| {
             slider.feed(goal, ms(from));
-            [0, 20, 40].map(|later| slider.velocity(None, ms(from + later)))
+            [0, 20, 40, 60].map(|later| slider.velocity(None, ms(from + later)))
         };
-        let near = |speeds: [f32; 3], expected: [f32; 3]| {
+        let near = |speeds: [f32; 4], expected: [f32; 4]| {
             assert!(speeds.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{speeds:?}");
         };
-        near(speeds(0.9, 0), [0.2, 0.4, 0.4]);
-        near(speeds(-0.9, 60), [-0.2, -0.4, -0.4]);
+        near(speeds(0.9, 100), [0.04, 0.08, 0.12, 0.16]);
+        near(speeds(-0.9, 180), [0.01, -0.04, -0.08, -0.12]);
         // A new goal arrives 5 ms after the last speed was sent.
-        near(speeds(0.9, 105), [0.05, 0.25, 0.4]);
+        near(speeds(0.9, 245), [-0.0825, 0.04, 0.08, 0.12]);
     }
 
     #[test]

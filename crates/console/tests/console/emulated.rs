@@ -103,5 +103,5 @@ fn emulated_nucleo_follows_a_slider_soon() {
         assert!(responses.median() <= Duration::from_millis(60), "{responses:?}");
         assert!(responses.most() <= Duration::from_millis(120), "{responses:?}");
     }
-    assert_gentle(&console);
+    assert_gentle(&console, 2.0);
 }

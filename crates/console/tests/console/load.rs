@@ -18,16 +18,17 @@ fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
 }
 
-/// Checks that the goals of the servo are those of a slider.
+/// Checks that the goals of the servo are those of a slider, and that its shaft is at most `ratio` times as fast as a
+/// slider.
 #[track_caller]
-pub(crate) fn assert_gentle(console: &OtherSide) {
+pub(crate) fn assert_gentle(console: &OtherSide, ratio: f64) {
     let servo = console.servo.lock().unwrap();
     println!(
         "largest step of a goal {:.2} deg, shaft {:.1} deg/s",
         servo.step_deg, servo.speed_deg_s
     );
     assert!(servo.step_deg <= STEP_DEG, "{servo:?}");
-    assert!(servo.speed_deg_s <= 1.5 * SPEED_DEG_S, "{servo:?}");
+    assert!(servo.speed_deg_s <= ratio * SPEED_DEG_S, "{servo:?}");
 }
 
 #[test]
@@ -52,7 +53,7 @@ fn ten_thousand_connections_do_not_move_a_joint() {
     page.until_state(HOLDING);
     assert!(opened > 9_000, "{opened}");
     assert!(console.servo.lock().unwrap().way_deg > 1.0, "the slider moved the joint");
-    assert_gentle(&console);
+    assert_gentle(&console, 1.5);
 }
 
 #[test]
@@ -69,5 +70,5 @@ fn a_killed_page_leaves_a_joint_that_stands() {
     sleep(ms(1000));
     let later_deg = console.servo.lock().unwrap().way_deg;
     assert!(later_deg - way_deg < 0.2, "{way_deg} to {later_deg}");
-    assert_gentle(&console);
+    assert_gentle(&console, 1.5);
 }

@@ -111,19 +111,27 @@ pub(crate) fn in_motion(console: &OtherSide, page: &mut Page) -> Responses {
     responses
 }
 
+/// Checks responses. A busy machine takes longer; a motion that began softly took more than 120 ms on any machine.
+fn check(responses: &Responses, what: &str) {
+    responses.print(&format!("from a page's goal to the first count of a servo's goal, {what}"));
+    assert!(responses.median() < ms(200), "{responses:?}");
+}
+
 #[test]
-fn a_slider_reaches_the_goal_of_the_servo_soon() {
+fn a_slider_reaches_the_goal_of_a_servo_at_rest_soon() {
     let console = OtherSide::start_on_positions();
     let mut page = Page::open(&console);
     page.arm();
-    let rest = from_rest(&console, &mut page);
-    rest.print("from a page's goal to the first count of a servo's goal, from rest");
-    let motion = in_motion(&console, &mut page);
-    motion
-        .print("from a page's goal to the first count of a servo's goal the other way, in motion");
-    // A busy machine takes longer. A motion that began softly took more than 120 ms on any machine.
-    for responses in [rest, motion] {
-        assert!(responses.median() < ms(200), "{responses:?}");
-    }
-    assert_gentle(&console);
+    check(&from_rest(&console, &mut page), "from rest");
+    assert_gentle(&console, 1.5);
+}
+
+#[test]
+fn a_slider_reaches_the_goal_of_a_servo_in_motion_soon() {
+    let console = OtherSide::start_on_positions();
+    let mut page = Page::open(&console);
+    page.arm();
+    check(&in_motion(&console, &mut page), "the other way");
+    // For some ticks a servo whose friction reverses is faster than its joint.
+    assert_gentle(&console, 2.0);
 }
