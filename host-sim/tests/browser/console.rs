@@ -284,7 +284,8 @@ fn a_recording_is_watched_on_the_page() {
         &console.address,
         |request| request.starts_with(&origin),
         |page| {
-            wait_for_state(page, "limp");
+            // The recording begins at power-on.
+            wait_for_state(page, "off");
             assert_eq!(page.ask("document.getElementById('commands').hidden"), true);
             page.drag("#scrub", [0.1, 0.5], || page.wait_ms(300));
             wait_for_state(page, "playing");

@@ -39,6 +39,8 @@ fn show_on_all_screens(name: &str, arguments: &[&str], folder: &Path) {
                 page.hold("#tab-joints", 30);
                 for scheme in ["dark", "light"] {
                     page.emulate("", scheme);
+                    // Colours fade.
+                    page.wait_ms(300);
                     assert_contrast(page, scheme);
                 }
                 page.drag("#joint-0", [0.5, 0.7], || {
@@ -134,5 +136,9 @@ fn robots_of_the_data_are_shown_on_all_screens() {
     let import = ["rig", "import", &rig, "--repair-inertia", "--output", "op3.toml"];
     let imported = sinew_in(folder.path(), &import);
     assert!(imported.status.success(), "{}", String::from_utf8_lossy(&imported.stderr));
-    show_on_all_screens("op3", &["--rig", "op3.toml", "--servo", "xm430"], folder.path());
+    show_on_all_screens(
+        "op3",
+        &["--rig", "op3.toml", "--servo", "xm430", "--drive", "position"],
+        folder.path(),
+    );
 }
