@@ -1,5 +1,5 @@
-//! The console's page on the screens of a desktop and of a phone, with rigs of several kinds. With `SINEW_PICTURES`, the
-//! pages are written there as pictures.
+//! The console's page on the screens of a desktop and of a phone, with rigs of several kinds. With `SINEW_PICTURES`,
+//! the pages are written there as pictures.
 
 use std::path::Path;
 

@@ -6,8 +6,8 @@ use super::act::EVERY;
 
 /// Speed per distance from the goal, 1/s; the joint decelerates towards its goal.
 const PER_S: f32 = 8.0;
-/// Time in which a joint at rest reaches its maximum speed, s, and time in which it brakes from this speed. A servo gets
-/// friction and drag in advance; with a faster change of speed, they would move it by a jerk.
+/// Time in which a joint at rest reaches its maximum speed, s, and time in which it brakes from this speed. A servo
+/// gets friction and drag in advance; with a faster change of speed, they would move it by a jerk.
 const RISE_S: f32 = 0.15;
 const BRAKE_S: f32 = 0.04;
 /// Distance from the goal at which it counts as reached, rad or m.

@@ -10,7 +10,7 @@ use sinew_rig::description::{Body, Drive, Joint, Servo};
 use sinew_rig::servo::Address;
 use sinew_rig::{Description, new};
 
-use crate::client::{LIMP, Page};
+use crate::client::Page;
 use crate::other_side::{BOARD, OtherSide};
 
 /// Environment variable with the duration of the test, s.
@@ -91,7 +91,7 @@ fn many_servos_need_little_and_always_the_same() {
     let seconds = std::env::var(SOAK).map_or(5, |seconds| seconds.parse().unwrap());
     let console = OtherSide::start_on(porcupine(), Some(DriveMode::Position), false);
     let mut page = Page::open(&console);
-    page.until_state(LIMP);
+    page.arm();
     assert_eq!(page.texts[0]["servos"].as_array().unwrap().len(), usize::from(SERVOS));
     let look = |page: &mut Page, time: Duration| {
         let (mut pictures, begun) = (0_u32, Instant::now());
@@ -120,7 +120,7 @@ fn many_servos_need_little_and_always_the_same() {
         100.0 * share.page,
     );
     assert!(rate_hz > 20.0, "{rate_hz} Hz");
-    // Tests are hardly optimized.
+    // Half of a core is the aim, a slow machine takes longer.
     assert!(share.hub + share.board < 1.0, "{share:?} of a core");
     assert!(after_kb < before_kb + GROWTH_KB, "{before_kb} kB to {after_kb} kB");
 }

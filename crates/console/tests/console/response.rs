@@ -57,8 +57,8 @@ fn wait(console: &OtherSide, until: Duration) {
     }
 }
 
-/// Holds the slider at a goal until the servo's goal has changed in the direction of the goal. Returns the time from the
-/// first message. Continues to hold the slider for `more`.
+/// Holds the slider at a goal until the servo's goal has changed in the direction of the goal. Returns the time from
+/// the first message. Continues to hold the slider for `more`.
 fn slide(console: &OtherSide, page: &mut Page, goal: f32, more: Duration) -> Duration {
     let (asked, way) = (console.now(), usize::from(goal > 0.0));
     let (mut due, mut end, mut took) = (asked, asked + LOST, None);
