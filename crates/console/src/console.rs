@@ -10,7 +10,7 @@ use std::thread;
 use sinew_board_client::{Board, ClientError, Line};
 use sinew_performance::play::Recorder;
 
-use crate::hub::{Ended, Hub, OwnShow, Owner};
+use crate::hub::{Ended, Hub, OwnShows, Owner};
 use crate::local::{Door, Reply, Request};
 use crate::replay::{Player, Replay};
 use crate::scene::Scene;
@@ -113,10 +113,10 @@ impl Console {
         self,
         board: &mut Board<L>,
         scene: &Scene,
-        (name, shows, record): (&str, Vec<OwnShow>, Option<Recorder>),
+        (name, own, record): (&str, OwnShows, Option<Recorder>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
-        shows
+        own.shows
             .iter()
             .filter_map(|show| show.sound.as_ref())
             .for_each(|own| self.shared.sounds.add(own));
@@ -125,7 +125,7 @@ impl Console {
         let (served, inbox, options) = self.serve()?;
         let door = open_door(name, served.shared.hub.clone())?;
         let owner = (Owner::Console, options.unattended);
-        let ended = Hub::new(board, scene, owner, inbox).run((shows, record), stops);
+        let ended = Hub::new(board, scene, owner, inbox).run((own, record), stops);
         drop((door, served));
         ended
     }

@@ -139,7 +139,7 @@ fn porcupine() -> Description {
 }
 
 /// Returns the CPU time of this program, s, and its memory, kB.
-fn used() -> (f64, u64) {
+pub(crate) fn used() -> (f64, u64) {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap();
     // The name of the program ends with a bracket; user and system time are 12 and 13 fields after it.
     let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use sinew_board_client::{Board, Line, nonce};
 use sinew_console::local::{Reply, Request};
-use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source, execute};
+use sinew_console::{Console, Ended, Options, OwnShow, OwnShows, Scene, Source, execute};
 use sinew_link::message::{
     Answer, Command, LiveFrame, Numbered, Outcome, Refusal, Stream, ToController, ToHost,
 };
@@ -169,7 +169,11 @@ impl OtherSide {
         let Prepared { rig, scene, mut line, told, is_busy, servo, board } =
             Prepared::new(arm, drive);
         line.is_stuck = Arc::clone(&is_stuck);
-        let shows = if with_show { vec![nod(rig)] } else { Vec::new() };
+        let own = if with_show {
+            OwnShows { shows: vec![nod(rig)], idle: Some(sway(rig)) }
+        } else {
+            OwnShows::default()
+        };
         let console = Console::open(Options::default()).unwrap();
         let address = console.addresses().remove(0);
         let (host, token) = address.strip_prefix("http://").unwrap().split_once("/#").unwrap();
@@ -180,7 +184,7 @@ impl OtherSide {
         let hub = thread::spawn(move || {
             let mut board = Board::connect(line, nonce(), Duration::from_secs(20)).unwrap();
             let stops = || counted.load(Ordering::Relaxed);
-            console.run(&mut board, &scene, (&name, shows, None), &stops).unwrap()
+            console.run(&mut board, &scene, (&name, own, None), &stops).unwrap()
         });
         let (host, token) = (host.to_owned(), token.to_owned());
         let (hub, board) = (Some(hub), Some(board));
@@ -271,18 +275,27 @@ impl Drop for OtherSide {
 
 /// Writes a show in which the joint turns by 0.1 rad and back.
 fn nod(rig: u32) -> OwnShow {
-    let q: Vec<f64> =
-        (0..=60).map(|k| 0.05 - 0.05 * (0.104_719_755 * f64::from(k)).cos()).collect();
+    let q = (0..=60).map(|k| 0.05 - 0.05 * (0.104_719_755 * f64::from(k)).cos());
+    show("nod", &q.collect::<Vec<_>>(), rig, false)
+}
+
+/// Writes a loop of 8 s in which the joint swings by 0.06 rad about -0.1 rad.
+fn sway(rig: u32) -> OwnShow {
+    let q = (0..=800).map(|k| -0.1 + 0.06 * (std::f64::consts::TAU * f64::from(k) / 800.0).sin());
+    show("sway", &q.collect::<Vec<_>>(), rig, true)
+}
+
+fn show(name: &str, q: &[f64], rig: u32, is_loop: bool) -> OwnShow {
     let motion = Motion {
         joints: &[Joint::Fixed, Joint::Revolute],
-        q: &q,
+        q,
         rate: Rate { samples: 100, seconds: 1 },
-        is_loop: false,
+        is_loop,
         rig,
-        cues: &[(30, "far")],
+        cues: if is_loop { &[] } else { &[(30, "far")] },
         time_code: None,
         course: &[],
     };
     let written = write(&motion, &Settings::default()).unwrap();
-    OwnShow { name: "nod".to_owned(), bytes: written.bytes.into(), sound: None }
+    OwnShow { name: name.to_owned(), bytes: written.bytes.into(), sound: None }
 }
