@@ -3,9 +3,9 @@
 /// Rows of a window: 10 s at 5 rows per second.
 const WINDOW: usize = 50;
 
-/// Returns the largest correlation of two windows that do not overlap, and the first rows of both. Windows begin at every
-/// row: a blink takes as long as a row, so a wider grid would miss windows that are alike. Each column is scaled to
-/// the same variance, and its mean in a window is subtracted. Only windows whose rows are all in `kept` count.
+/// Returns the largest correlation of two windows that do not overlap, and the first rows of both. Windows begin at
+/// every row: a blink takes as long as a row, so a wider grid would miss windows that are alike. Each column is scaled
+/// to the same variance, and its mean in a window is subtracted. Only windows whose rows are all in `kept` count.
 ///
 /// For each distance of two windows, the sum of products moves along by a row at a time: O(rows² · columns).
 pub(crate) fn most_alike(rows: &[Vec<f64>], kept: &[bool]) -> (f64, [usize; 2]) {

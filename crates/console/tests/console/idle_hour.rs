@@ -219,8 +219,8 @@ fn idle_life_with_shows_between_never_jumps_and_never_repeats_itself() {
     println!("{} rows; most alike windows of 10 s: {most:.3} at {at:?} s", rows.len());
     assert!(shows.len() >= 2 && most > 0.0 && most <= ALIKE_MAX, "{most} at {at:?}");
     let [(first_s, first_kb), .., (last_s, last_kb)] = costs[..] else { panic!("too short") };
-    // The observer of the servos keeps 5 rows per second, 0.7 kB. CPU time that grew with the time would be ten times as
-    // much at the end of an hour.
+    // The observer of the servos keeps 5 rows per second, 0.7 kB. CPU time that grew with the time would be ten times
+    // as much at the end of an hour.
     let rows_kb = seconds;
     assert!((last_kb as f64) < first_kb as f64 + 4096.0 + rows_kb, "{costs:?}");
     assert!(seconds < 1000.0 || last_s < 2.0 * first_s, "{costs:?}");
