@@ -97,6 +97,18 @@ fn files_that_rhubarb_made_move_the_jaw_alike() {
     assert!(refused.unwrap_err().to_string().contains("`rhubarb -f json`"));
 }
 
+/// Papagayo-NG has written this file: at the end of a word it repeats `rest` in the frame before.
+#[test]
+fn a_file_that_papagayo_made_moves_the_jaw() {
+    let (rig, mechanism) = face();
+    let text = include_str!("../../../../tests/golden/voice/papagayo.dat");
+    let weights = weights(text, None, &rig).unwrap();
+    let motion = jaw(&perform(&mechanism, &rig.face_shapes, &weights).unwrap());
+    // AI from frame 15 to 22 and from 31 to 37, MBP from 22 to 27; 24 frames per second.
+    assert!(motion[75] < -10.0 && motion[137] < -10.0, "{} {}", motion[75], motion[137]);
+    assert!(motion[93] > -7.0 && motion[5] > -1.0, "{} {}", motion[93], motion[5]);
+}
+
 /// Lips close even within 60 ms, and no weight jumps.
 #[test]
 fn neighbours_colour_a_mouth_and_lips_still_close() {
