@@ -12,8 +12,8 @@
 //! - [`TelemetryLog`] assembles telemetry from its frames.
 //! - [`Board::upload`] uploads rigs, settings and shows, block by block, and continues after an interruption.
 //! - [`BoardServos`]: packets for servos, which the controller passes on while torque is off.
-//! - [`Journey`]: a motion of all joints to a pose; [`pose`]: conversions of poses, and the pose that the board
-//!   commands.
+//! - [`Journey`]: a motion of all joints to a pose. [`IdleLife`]: a loop of poses. [`pose`]: conversions of poses, and
+//!   the pose that the board commands.
 //! - [`console`]: requests to a hub that uses a board.
 //! - [`port`]: finds the port of a controller, and recognizes a port that has servos instead.
 //!
@@ -30,7 +30,8 @@
 //! # Files
 //! - `board`: a session. `upload`: items that a board stores.
 //! - `line`: bytes to and from a board. `port`: serial ports with a board.
-//! - `journey`: motions to a pose. `pose`: poses as coordinates and as positions of dofs.
+//! - `journey`: motions to a pose. `idle_life`: a loop that a host plays. `pose`: poses as coordinates and as positions
+//!   of dofs.
 //! - `console/`: the socket through which other commands reach a hub.
 //! - `servos`: a board as a line of servos.
 //! - `telemetry_log`: received telemetry and faults.
@@ -44,6 +45,7 @@ mod board;
 #[cfg(unix)]
 pub mod console;
 mod error;
+mod idle_life;
 mod journey;
 mod line;
 pub mod port;
@@ -54,6 +56,7 @@ mod upload;
 
 pub use board::{Board, SILENCE, nonce};
 pub use error::ClientError;
+pub use idle_life::IdleLife;
 pub use journey::{Arrival, Journey};
 pub use line::{Line, SerialBoard};
 pub use servos::BoardServos;

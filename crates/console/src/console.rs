@@ -9,7 +9,7 @@ use std::thread;
 
 use sinew_board_client::{Board, ClientError, Line};
 
-use crate::hub::{Ended, Hub, OwnShow, Owner, Records};
+use crate::hub::{Ended, Hub, OwnShows, Owner, Records};
 use crate::local::{Door, Reply, Request};
 use crate::replay::{Player, Replay};
 use crate::scene::Scene;
@@ -112,10 +112,10 @@ impl Console {
         self,
         board: &mut Board<L>,
         scene: &Scene,
-        (name, shows, records): (&str, Vec<OwnShow>, Records<'_>),
+        (name, own, records): (&str, OwnShows, Records<'_>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
-        shows
+        own.shows
             .iter()
             .filter_map(|show| show.sound.as_ref())
             .for_each(|own| self.shared.sounds.add(own));
@@ -124,7 +124,7 @@ impl Console {
         let (served, inbox, options) = self.serve()?;
         let door = open_door(name, served.shared.hub.clone())?;
         let owner = (Owner::Console, options.unattended);
-        let ended = Hub::new(board, scene, owner, inbox).run((shows, records), stops);
+        let ended = Hub::new(board, scene, owner, inbox).run((own, records), stops);
         drop((door, served));
         ended
     }

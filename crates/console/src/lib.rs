@@ -17,7 +17,7 @@
 //! # Files
 //! - `server/`: listeners, request heads, sockets, and the limits of all of them. `page/`: the files it serves.
 //! - `message`: text messages between page and hub; `frame`: the state of the rig as numbers.
-//! - `hub/`: the loop, commands, sliders, shows, uploads, and hubs without pages.
+//! - `hub/`: the loop, commands, sliders, shows, idle life, uploads, and hubs without pages.
 //! - `replay/`: a recording instead of a board. `sounds`: sounds of shows, which pages play.
 //! - `scene`: the rig as the page draws it. [`local`]: the Unix socket for commands in other terminals.
 
@@ -36,7 +36,9 @@ mod server;
 mod sounds;
 
 pub use console::{Console, Options, execute};
-pub use hub::{BeginRecord, Ended, Hosted, NewRecord, OwnShow, Owner, RECORD_HZ, Records};
+pub use hub::{
+    BeginRecord, Ended, Hosted, NewRecord, OwnShow, OwnShows, Owner, RECORD_HZ, Records, idle_life,
+};
 pub use replay::{Replay, ReplayError};
 pub use scene::{Scene, Source};
 pub use sounds::OwnSound;

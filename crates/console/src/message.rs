@@ -44,6 +44,10 @@ pub(crate) enum PageCommand {
         #[serde(default, rename = "loop")]
         is_loop: bool,
     },
+    /// Idle life starts, or ends.
+    Idle {
+        on: bool,
+    },
     /// Shows the pose of the show at `t` s as a ghost; `None` removes the ghost.
     Seek {
         t: Option<f64>,
@@ -82,6 +86,8 @@ pub(crate) enum ToPage<'a> {
     Shows {
         slots: &'a [Slot],
         loaded: Option<u8>,
+        /// Idle life of the console; `None` if it has none.
+        idle: Option<IdleState<'a>>,
     },
     /// `driver`: whether this page drives; `asked`: another page has asked this page for the wheel.
     Role {
@@ -122,6 +128,13 @@ pub(crate) enum Level {
     Warning,
     Fault,
     Error,
+}
+
+/// State of idle life.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(crate) struct IdleState<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) on: bool,
 }
 
 /// A slot of the board that has a show.

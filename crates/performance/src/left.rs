@@ -161,7 +161,9 @@ fn correlation(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
         }
     }
     let both = (of_a * of_b).sqrt();
-    if both > 1e-12 { cross / both } else { 0.0 }
+    let alike = if both > 1e-12 { cross / both } else { 0.0 };
+    // Without this, a small negative correlation is printed as -0.00.
+    if alike.abs() < 0.005 { 0.0 } else { alike }
 }
 
 #[cfg(test)]

@@ -39,6 +39,7 @@ fn soaking() -> Result<()> {
     let mut random = nextest::run()?;
     // Each run draws new random cases.
     random.env("INSTA_UPDATE", "no").env("PROPTEST_CASES", "4096").env("SINEW_SOAK_S", "3600");
+    random.env("SINEW_IDLE_S", "3600");
     step::run("tests with 4,096 new random cases each", &mut random)?;
     limits::run()?;
     parity::run()?;

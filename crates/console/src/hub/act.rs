@@ -1,4 +1,4 @@
-//! Motions that take several turns of the hub: a joint that follows a slider, a journey, a show; and arming.
+//! Motions that take several turns of the hub: a joint that follows a slider, a journey, a show, idle life; and arming.
 
 use std::time::Duration;
 
@@ -26,6 +26,7 @@ pub(super) enum Act {
     Slider(Feeding<Slider>),
     Journey(Feeding<Journey>),
     Show(Playing),
+    Idle(Feeding<()>),
 }
 
 /// A motion whose speeds or poses the hub sends to the board.
@@ -63,7 +64,7 @@ pub(super) struct Arming {
 impl Act {
     /// Returns whether the motion ends when its page is gone.
     pub(super) fn dies_with_its_page(&self) -> bool {
-        !matches!(self, Self::Show(_))
+        !matches!(self, Self::Show(_) | Self::Idle(_))
     }
 }
 
@@ -116,8 +117,11 @@ impl<L: Line> Hub<'_, L> {
             Some(Act::Slider(feeding)) => self.go_on_slider(feeding),
             Some(Act::Journey(feeding)) => self.go_on_journey(feeding),
             Some(Act::Show(playing)) => self.go_on_show(playing),
+            Some(Act::Idle(feeding)) => self.go_on_idle(feeding),
         };
         if let Err(refused) = ended {
+            // Idle life that the board refuses must not begin again and again.
+            self.end_idle();
             let text = self.text(&refused);
             self.event(Level::Warning, &text);
         }
@@ -171,6 +175,20 @@ impl<L: Line> Hub<'_, L> {
         }
         if self.follow(&mut feeding, Feed::Live)? {
             self.act.get_or_insert(Act::Journey(feeding));
+        }
+        Ok(())
+    }
+
+    fn go_on_idle(&mut self, mut feeding: Feeding<()>) -> Result<(), Refused> {
+        let now = self.now();
+        if now >= feeding.due {
+            feeding.due = now + EVERY;
+            if let Some(pose) = self.idle_pose() {
+                self.send_pose(pose, now)?;
+            }
+        }
+        if self.follow(&mut feeding, Feed::Live)? {
+            self.act.get_or_insert(Act::Idle(feeding));
         }
         Ok(())
     }

@@ -27,8 +27,8 @@ impl<L: Line> Hub<'_, L> {
         command: PageCommand,
     ) -> Option<Result<String, Refused>> {
         use PageCommand::{
-            Arm, Clear, EStop, Follow, Hello, Hold, Home, Jog, Lower, Ping, Play, Record, Release,
-            Seek, Stop, Upload, Wheel,
+            Arm, Clear, EStop, Follow, Hello, Hold, Home, Idle, Jog, Lower, Ping, Play, Record,
+            Release, Seek, Stop, Upload, Wheel,
         };
         let is_driver = self.wheel.is_at(page);
         Some(match command {
@@ -68,6 +68,7 @@ impl<L: Line> Hub<'_, L> {
             Home => self.travel(&self.scene.home.clone()),
             Clear => self.ask(Command::ClearFaults).map(|_| "no fault is latched".to_owned()),
             Play { slot, is_loop } => self.play(slot, is_loop),
+            Idle { on } => self.turn_idle(on),
             Seek { t, slot } => self.seek(t, slot),
             Follow { t, slot } => self.seek(Some(t), slot).and_then(|_| match self.ghost.clone() {
                 Some(ghost) => self.travel(&ghost),
@@ -92,6 +93,7 @@ impl<L: Line> Hub<'_, L> {
     /// released.
     pub(super) fn end_all(&mut self) {
         self.bar_slider();
+        self.end_idle();
         self.act = None;
         self.end_arming("the rig was told to stand");
     }
@@ -170,7 +172,7 @@ impl<L: Line> Hub<'_, L> {
             }
             return Ok(String::new());
         }
-        if matches!(self.act, Some(Act::Show(_) | Act::Journey(_))) {
+        if matches!(self.act, Some(Act::Show(_) | Act::Journey(_) | Act::Idle(_))) {
             return Err(Refused::because("the rig moves on its own: hold it first"));
         }
         let at = self.wanted(coordinate).or_else(|| self.board.log.q.get(coordinate).copied());
@@ -206,7 +208,7 @@ impl<L: Line> Hub<'_, L> {
 
     /// Returns the pose at which a motion of all joints begins: the pose that the board commands, otherwise the
     /// measured pose.
-    fn pose_now(&self, count: usize) -> Result<Vec<f32>, Refused> {
+    pub(super) fn pose_now(&self, count: usize) -> Result<Vec<f32>, Refused> {
         let own = |k: usize| self.wanted(k).or_else(|| self.board.log.q.get(k).copied());
         let pose: Vec<f32> = (0..count).filter_map(own).collect();
         if pose.len() != count {

@@ -4,12 +4,14 @@
 //!   journey, a show.
 //! - `slider`: motions, to which the caller gives the time. `shows`: slots and ghosts. `upload`: a show on its way to
 //!   the board.
+//! - `idle`: idle life between shows.
 //! - `tell`: messages to pages. `local`: requests of other terminals of this user. `watchers`: terminals that watch.
 //! - `hosted`: a command without pages that is the hub of its board. `session_record`: a recording of the session.
 
 mod act;
 mod commands;
 mod hosted;
+mod idle;
 mod local;
 mod session_record;
 mod shows;
@@ -32,6 +34,7 @@ use crate::message::{Level, PageCommand};
 use crate::scene::Scene;
 use crate::server::{Outbox, PageId, ToHub};
 use act::{Act, Arming};
+use idle::Idle;
 use local::{Asked, Waiting};
 use session_record::SessionRecord;
 use shows::Shows;
@@ -41,9 +44,10 @@ use watchers::Watchers;
 use wheel::Wheel;
 
 pub use hosted::Hosted;
+pub use idle::idle_life;
 pub use local::Owner;
 pub use session_record::{BeginRecord, NewRecord, RECORD_HZ, Records};
-pub use shows::OwnShow;
+pub use shows::{OwnShow, OwnShows};
 
 /// Snapshots per second that the hub requests from the board.
 pub(crate) const RATE_HZ: f32 = 30.0;
@@ -86,6 +90,8 @@ pub(crate) struct Hub<'a, L> {
     act: Option<Act>,
     arming: Option<Arming>,
     shows: Shows,
+    /// Idle life between shows; `None` if the console has none.
+    idle: Option<Idle>,
     upload: Option<Upload>,
     ghost: Option<Vec<f32>>,
     /// Maximum speed of a slider, rad/s or m/s.
@@ -133,6 +139,7 @@ impl<'a, L: Line> Hub<'a, L> {
             act: None,
             arming: None,
             shows: Shows::default(),
+            idle: None,
             upload: None,
             ghost: None,
             soft_rad_s: SOFT_MOST_RAD_S,
@@ -154,13 +161,17 @@ impl<'a, L: Line> Hub<'a, L> {
     /// Runs until the rig is stopped after a signal, or a second signal ends it.
     pub(crate) fn run(
         mut self,
-        (shows, records): (Vec<OwnShow>, Records<'a>),
+        (own, records): (OwnShows, Records<'a>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
         self.records = records;
         self.record = self.records.first.take().map(SessionRecord::new);
         self.begin()?;
-        for show in shows {
+        if let Some(idle) = &own.idle {
+            let idle = Idle::new(idle, self.scene);
+            self.idle = Some(idle.map_err(ClientError::Impatient)?);
+        }
+        for show in own.shows {
             self.put_own(show)?;
         }
         loop {
@@ -210,6 +221,7 @@ impl<'a, L: Line> Hub<'a, L> {
             }
             self.watch_driver();
             self.go_on();
+            self.go_on_idle_life();
             self.go_on_arming();
             self.go_on_upload();
             self.go_on_waiting();
@@ -277,6 +289,7 @@ impl<'a, L: Line> Hub<'a, L> {
                 Level::Warning,
                 "nobody is at the wheel: the rig holds, and is lowered in 3 s",
             );
+            self.end_idle();
             let _ = self.hold();
             self.lower_at = Some(now + wheel::LOWER_AFTER);
         }

@@ -8,7 +8,7 @@ use sinew_link::message::{Command, Item, Kind};
 use sinew_show::{Player, Show};
 
 use super::{Hub, Refused};
-use crate::message::{CueMark, Slot, SlotSound, ToPage};
+use crate::message::{CueMark, IdleState, Slot, SlotSound, ToPage};
 use crate::sounds::OwnSound;
 
 /// Name of the approver that a board stores with a show of the console.
@@ -25,6 +25,15 @@ pub struct OwnShow {
     pub bytes: Arc<[u8]>,
     /// Sound of the show, if it has a sound.
     pub sound: Option<OwnSound>,
+}
+
+/// The shows of a console.
+#[derive(Debug, Clone, Default)]
+pub struct OwnShows {
+    /// Shows for the board's slots.
+    pub shows: Vec<OwnShow>,
+    /// A loop of idle life, which the console itself sends to the board.
+    pub idle: Option<OwnShow>,
 }
 
 /// The board's slots, and the shows whose bytes this program has.
@@ -65,9 +74,9 @@ impl Shows {
         self.loaded = self.loaded.filter(|slot| self.slots.iter().any(|own| own.index == *slot));
     }
 
-    /// Returns the list of slots as a message.
-    pub(super) fn json(&self) -> String {
-        ToPage::Shows { slots: &self.slots, loaded: self.loaded }.json()
+    /// Returns the list of slots, and idle life, as a message.
+    pub(super) fn json(&self, idle: Option<IdleState<'_>>) -> String {
+        ToPage::Shows { slots: &self.slots, loaded: self.loaded, idle }.json()
     }
 
     pub(super) fn has(&self, slot: u8) -> bool {

@@ -6,6 +6,7 @@ use sinew_board_client::Line;
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{FaultRecord, Refusal, State};
 
+use super::idle::Idle;
 use super::{Act, Hub, Page, Refused};
 use crate::frame::{self, Frame};
 use crate::message::{Level, ToPage};
@@ -36,7 +37,7 @@ impl Told {
 impl<L: Line> Hub<'_, L> {
     pub(super) fn join(&mut self, page: PageId, out: Outbox, may_drive: bool) {
         out.send(&text(self.scene.head(self.line_rate_hz)));
-        out.send(&text(self.shows.json()));
+        out.send(&text(self.shows_json()));
         self.pages.insert(page, Page { out, may_drive });
         let now = self.now();
         if may_drive && self.wheel.is_free() {
@@ -53,7 +54,11 @@ impl<L: Line> Hub<'_, L> {
     }
 
     pub(super) fn tell_shows(&mut self) {
-        self.tell_all(&self.shows.json());
+        self.tell_all(&self.shows_json());
+    }
+
+    fn shows_json(&self) -> String {
+        self.shows.json(self.idle.as_ref().map(Idle::state))
     }
 
     pub(super) fn tell_all(&self, json: &str) {

@@ -7,8 +7,9 @@ const SEEK_EVERY_MS = 50;
 
 export const show = ({ send, ask, report }) => {
   const [slots, scrub, play, follow, clear, loop] = ["slots", "scrub", "play", "follow", "no-ghost", "loop"].map(byId);
+  const idle = byId("idle");
   const voice = sound();
-  let shows = [], isRecording = false, ghost = null, isScrubbing = false, isPlaying = false, uploading = false;
+  let shows = [], isRecording = false, ghost = null, isScrubbing = false, isPlaying = false, uploading = false, isIdle = false;
 
   const chosen = () => shows.find(({ slot }) => String(slot) === slots.value);
   // The hub has no cues and no duration of a show that it did not upload.
@@ -69,6 +70,11 @@ export const show = ({ send, ask, report }) => {
     clearGhost();
     report("play", await ask({ type: "play", slot: chosen().slot, loop: loop.checked }));
   });
+  idle.addEventListener("change", async () => {
+    report("idle life", await ask({ type: "idle", on: idle.checked }));
+    // The hub decides: its message sets the box again.
+    idle.checked = isIdle;
+  });
   follow.addEventListener("click", async () => {
     report("go there", await ask({ type: "follow", slot: chosen().slot, t: ghost }));
   });
@@ -97,6 +103,10 @@ export const show = ({ send, ask, report }) => {
     setShows: (message) => {
       const before = slots.value;
       shows = message.slots;
+      isIdle = message.idle?.on ?? false;
+      setHidden(byId("idle-box"), !message.idle);
+      byId("idle-box").title = message.idle ? `The loop ${message.idle.name}, between shows` : "";
+      idle.checked = isIdle;
       slots.replaceChildren(...shows.map((one) => make("option", { value: String(one.slot) }, name(one))));
       if (shows.length === 0) slots.append(make("option", { value: "" }, "no show on the board"));
       const wanted = [before, String(message.loaded ?? "")].find((value) => shows.some(({ slot }) => String(slot) === value));
@@ -111,7 +121,9 @@ export const show = ({ send, ask, report }) => {
     setProgress: (done) => { progress.value = done; },
     allow: (may) => {
       const has = chosen() !== undefined;
-      setDisabled(play, !has || !(isRecording ? may.seek : may.play));
+      // A show may interrupt idle life.
+      setDisabled(play, !has || !(isRecording ? may.seek : may.play || isIdle && may.idle));
+      setDisabled(idle, !may.idle);
       setDisabled(follow, !may.follow || ghost === null);
       setDisabled(clear, ghost === null || !may.seek);
       setDisabled(scrub, shown().duration <= 0 || !may.seek);

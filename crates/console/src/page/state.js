@@ -43,6 +43,7 @@ export const permissions = ({ head, frame, isConnected, isDriver, isStale, name 
     home: may && isFree,
     clear: may && frame?.fault !== null,
     play: may && isFree,
+    idle: may && (name === "holding" || name === "playing") && !frame.isShow,
     jog: may && isFree,
     follow: may && isFree,
     seek: isConnected && head !== null && frame !== null,

@@ -87,7 +87,7 @@ impl<'a> Player<'a> {
             cues: Vec::new(),
             sound: None,
         };
-        out.send(&text(ToPage::Shows { slots: &[slot], loaded: Some(0) }.json()));
+        out.send(&text(ToPage::Shows { slots: &[slot], loaded: Some(0), idle: None }.json()));
         out.send(&text(ToPage::Role { driver: false, other: None, asked: false }.json()));
         for (t, words) in self.replay.events.iter().take(EVENTS_MAX) {
             out.send(&text(event(*t, words)));

@@ -74,8 +74,12 @@ impl Page {
 
     /// Opens a page that sends the token, and waits until it has a role.
     pub(crate) fn open(console: &OtherSide) -> Self {
-        let mut page = Self::mute(&console.host);
-        page.say(&json!({ "type": "hello", "token": console.token }));
+        Self::open_at(&console.host, &console.token)
+    }
+
+    pub(crate) fn open_at(host: &str, token: &str) -> Self {
+        let mut page = Self::mute(host);
+        page.say(&json!({ "type": "hello", "token": token }));
         page.until("a role", |page| page.texts.iter().any(|text| text["type"] == "role"));
         page
     }

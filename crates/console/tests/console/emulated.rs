@@ -6,7 +6,7 @@ use std::time::Duration;
 use std::{env, io};
 
 use sinew_board_client::{Board, Line, item};
-use sinew_console::{Records, Scene, Source};
+use sinew_console::{OwnShows, Records, Scene, Source};
 use sinew_firmware::node::RIG_SCHEMA;
 use sinew_link::message::Kind;
 use sinew_nucleo::{BoardOnServos, EmulatedBoard, Machine};
@@ -83,7 +83,7 @@ fn start() -> OtherSide {
         let rig = item(Kind::Rig, RIG_SCHEMA, &stored, 0, "Ada").unwrap();
         board.upload(&rig, &stored, &mut |_| ()).unwrap();
         let scene = Scene::new(&arm.name, &mechanism, &parts, Source::Simulated);
-        served.run(&mut board, &scene, Vec::new(), Records::default())
+        served.run(&mut board, &scene, OwnShows::default(), Records::default())
     };
     OtherSide::serve(hub, told, servo)
 }

@@ -69,7 +69,7 @@ impl Used {
 }
 
 /// Returns the processor time in a file `stat` of a process or a thread, s.
-fn seconds(stat: &Path) -> f64 {
+pub(crate) fn seconds(stat: &Path) -> f64 {
     let stat = fs::read_to_string(stat).unwrap();
     // The name of the program ends with a bracket; user and system time are 12 and 13 fields after it.
     let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
@@ -78,7 +78,7 @@ fn seconds(stat: &Path) -> f64 {
 }
 
 /// Returns the memory of this program, kB.
-fn memory_kb() -> u64 {
+pub(crate) fn memory_kb() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap();
     let resident = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
     resident.trim_end_matches("kB").trim().parse().unwrap()

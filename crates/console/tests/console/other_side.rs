@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 use sinew_board_client::{Board, Line, nonce};
 use sinew_console::local::{Reply, Request};
 use sinew_console::{
-    BeginRecord, Console, Ended, NewRecord, Options, OwnShow, RECORD_HZ, Records, Scene, Source,
-    execute,
+    BeginRecord, Console, Ended, NewRecord, Options, OwnShow, OwnShows, RECORD_HZ, Records, Scene,
+    Source, execute,
 };
 use sinew_link::message::{
     Answer, Command, LiveFrame, Numbered, Outcome, Refusal, Stream, ToController, ToHost,
@@ -209,7 +209,12 @@ impl OtherSide {
         let Prepared { parts, scene, line, told, is_busy, servo, start, board } =
             Prepared::new(arm, drive);
         let is_stuck = Arc::clone(&line.is_stuck);
-        let shows = if with_show { vec![nod(parts.rig_crc())] } else { Vec::new() };
+        let rig = parts.rig_crc();
+        let own = if with_show {
+            OwnShows { shows: vec![nod(rig)], idle: Some(sway(rig)) }
+        } else {
+            OwnShows::default()
+        };
         let hub = move |served: Served<'_>| {
             let mut board = Board::connect(line, nonce(), Duration::from_secs(20)).unwrap();
             let begin = folder.map(|folder| -> BeginRecord<'_> {
@@ -220,7 +225,7 @@ impl OtherSide {
                     Ok(NewRecord { recorder, file: file.display().to_string() })
                 })
             });
-            served.run(&mut board, &scene, shows, Records { first: None, begin })
+            served.run(&mut board, &scene, own, Records { first: None, begin })
         };
         let mut console = Self::serve(hub, told, servo);
         (console.is_busy, console.is_stuck) = (is_busy, is_stuck);
@@ -288,11 +293,11 @@ impl Served<'_> {
         self,
         board: &mut Board<L>,
         scene: &Scene,
-        shows: Vec<OwnShow>,
+        own: OwnShows,
         records: Records<'_>,
     ) -> Ended {
         let stops = || self.stops.load(Ordering::Relaxed);
-        self.console.run(board, scene, (self.name, shows, records), &stops).unwrap()
+        self.console.run(board, scene, (self.name, own, records), &stops).unwrap()
     }
 }
 
@@ -364,18 +369,27 @@ impl Drop for OtherSide {
 
 /// Writes a show in which the joint turns by 0.1 rad and back.
 fn nod(rig: u32) -> OwnShow {
-    let q: Vec<f64> =
-        (0..=60).map(|k| 0.05 - 0.05 * (0.104_719_755 * f64::from(k)).cos()).collect();
+    let q = (0..=60).map(|k| 0.05 - 0.05 * (0.104_719_755 * f64::from(k)).cos());
+    show("nod", &q.collect::<Vec<_>>(), rig, false)
+}
+
+/// Writes a loop of 8 s in which the joint swings by 0.06 rad about -0.1 rad.
+fn sway(rig: u32) -> OwnShow {
+    let q = (0..=800).map(|k| -0.1 + 0.06 * (std::f64::consts::TAU * f64::from(k) / 800.0).sin());
+    show("sway", &q.collect::<Vec<_>>(), rig, true)
+}
+
+fn show(name: &str, q: &[f64], rig: u32, is_loop: bool) -> OwnShow {
     let motion = Motion {
         joints: &[Joint::Fixed, Joint::Revolute],
-        q: &q,
+        q,
         rate: Rate { samples: 100, seconds: 1 },
-        is_loop: false,
+        is_loop,
         rig,
-        cues: &[(30, "far")],
+        cues: if is_loop { &[] } else { &[(30, "far")] },
         time_code: None,
         course: &[],
     };
     let written = write(&motion, &Settings::default()).unwrap();
-    OwnShow { name: "nod".to_owned(), bytes: written.bytes.into(), sound: None }
+    OwnShow { name: name.to_owned(), bytes: written.bytes.into(), sound: None }
 }

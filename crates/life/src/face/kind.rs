@@ -34,7 +34,7 @@ pub fn read(bytes: &[u8], fps: Option<f64>) -> Result<FaceTrack, FaceError> {
         return Err(FaceError::Kind { found: (*found).to_owned(), repair });
     }
     let line = first.lines().next().unwrap_or_default().trim();
-    if line.starts_with(moho::HEAD) {
+    if line == moho::HEAD {
         return moho::read(text, fps);
     }
     if first.starts_with(['{', '[']) {
@@ -49,6 +49,8 @@ pub fn read(bytes: &[u8], fps: Option<f64>) -> Result<FaceTrack, FaceError> {
     }
     let (found, repair) = if text.trim().is_empty() {
         ("an empty file", "export it again")
+    } else if lower.starts_with("mohoswitch") {
+        ("a Moho switch of another version", "its first line must be `MohoSwitch1`")
     } else if lower.starts_with("time") && lower.contains(['_', ',', ';']) {
         ("a table of keys of joints", "`sinew bake` reads it as it is")
     } else if lower.contains("blendshape") || lower.contains("jawopen") {

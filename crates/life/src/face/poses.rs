@@ -118,7 +118,9 @@ impl Poses {
             offsets[*b] += other * share;
         }
         self.hold_ranges(offsets);
-        given.iter().zip(offsets).any(|(given, now)| (*given - *now).abs() > 2.0 * MARGIN_RAD)
+        let margin = |joint: &MovedJoint| if joint.slides { MARGIN_M } else { MARGIN_RAD };
+        let mut moves = given.iter().zip(offsets).zip(&self.joints);
+        moves.any(|((given, now), joint)| (*given - *now).abs() > 2.0 * margin(joint))
     }
 
     fn hold_ranges(&self, offsets: &mut [f64]) {

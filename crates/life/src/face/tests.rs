@@ -64,6 +64,51 @@ fn all_files_of_mouth_cues_move_the_jaw_alike() {
     }
 }
 
+/// Rhubarb 1.14.0 has made these files from the sentence of `tests/golden/voice`, spoken at 22 kHz.
+#[test]
+fn files_that_rhubarb_made_move_the_jaw_alike() {
+    const FILES: [&str; 3] = [
+        include_str!("../../../../tests/golden/voice/rhubarb.json"),
+        include_str!("../../../../tests/golden/voice/rhubarb.tsv"),
+        include_str!("../../../../tests/golden/voice/rhubarb.dat"),
+    ];
+    let (rig, mechanism) = face();
+    let motions = FILES.map(|text| {
+        jaw(&perform(&mechanism, &rig.face_shapes, &weights(text, None, &rig).unwrap()).unwrap())
+    });
+    for motion in &motions {
+        assert!((485..=500).contains(&motion.len()), "{}", motion.len());
+        // Silence at the beginning, between the sentences at 0.65 s, and at the end; vowels at 1.77 s and 2.79 s.
+        assert!(motion[0] > -1.0 && motion[65] > -1.0 && motion[470] > -1.0);
+        assert!(motion[177] < -5.0 && motion[279] < -10.0, "{} {}", motion[177], motion[279]);
+    }
+    // A frame of the `.dat` is 42 ms, so its cues begin up to 42 ms early.
+    let off = |other: &[f64]| {
+        let pairs = motions[0].iter().zip(other).take(480);
+        pairs.map(|(a, b)| (a - b).abs()).sum::<f64>() / 480.0
+    };
+    assert!(
+        off(&motions[1]) < 1e-9 && off(&motions[2]) < 2.0,
+        "{} {}",
+        off(&motions[1]),
+        off(&motions[2])
+    );
+    let refused = read(include_bytes!("../../../../tests/golden/voice/rhubarb.xml"), None);
+    assert!(refused.unwrap_err().to_string().contains("`rhubarb -f json`"));
+}
+
+/// Papagayo-NG has written this file: at the end of a word it repeats `rest` in the frame before.
+#[test]
+fn a_file_that_papagayo_made_moves_the_jaw() {
+    let (rig, mechanism) = face();
+    let text = include_str!("../../../../tests/golden/voice/papagayo.dat");
+    let weights = weights(text, None, &rig).unwrap();
+    let motion = jaw(&perform(&mechanism, &rig.face_shapes, &weights).unwrap());
+    // AI from frame 15 to 22 and from 31 to 37, MBP from 22 to 27; 24 frames per second.
+    assert!(motion[75] < -10.0 && motion[137] < -10.0, "{} {}", motion[75], motion[137]);
+    assert!(motion[93] > -7.0 && motion[170] > -1.0, "{} {}", motion[93], motion[170]);
+}
+
 /// Lips close even within 60 ms, and no weight jumps.
 #[test]
 fn neighbours_colour_a_mouth_and_lips_still_close() {
@@ -214,6 +259,9 @@ fn files_of_other_kinds_are_refused_with_the_right_form() {
             "0.0\tX\n0.2\tQ\n0.4\tX\n",
             "line 2, the mouth: expected one of A, B, C, D, E, F, G, H, X, found `Q`",
         ),
+        ("MohoSwitch2\n1 rest\n", "of another version: its first line must be `MohoSwitch1`"),
+        ("NaN\tX\n0.2\tA\n", "something else"),
+        ("0.0\tX\nNaN\tA\n", "line 2, the mouth cue: expected a time in s, a tab"),
         ("MohoSwitch1\n0 rest\n", "line 2, the mouth cue: expected a frame from 1 on"),
         ("MohoSwitch1\n1 rest\n5 AAH\n9 rest\n", "line 3, the mouth: expected one of AI, E, etc"),
     ] {
@@ -235,6 +283,11 @@ fn wrong_rows_of_live_link_face_are_named() {
             "line 3, column `EyeBlinkRight`: expected a weight from 0 to 1, found `high`",
         ),
         ("0.0,0.5,0.1", "0.0,50,0.1", "found `50`"),
+        (
+            "0.0,0.5,0.1",
+            "0.0,NaN,0.1",
+            "line 3, column `EyeBlinkRight`: expected a weight from 0 to 1",
+        ),
         ("0.0,0.5,0.1", "0.0,0.1", "with 2 value(s)"),
         (
             "00:00:00:02,3",

@@ -8,9 +8,11 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, anyhow, bail};
 use sinew_board_client::{Board, ClientError, Line};
-use sinew_console::{Console, Ended, Options, OwnShow, OwnSound, Scene, Source};
+use sinew_console::{
+    Console, Ended, Options, OwnShow, OwnShows, OwnSound, Scene, Source, idle_life,
+};
 use sinew_host_util::command::{note, print};
 use sinew_performance::play::{RigParts, ServoChoice, ServoPart, put_servos};
 use sinew_performance::rig::LoadedRig;
@@ -52,6 +54,12 @@ pub(super) struct ConsoleArgs {
     /// recording of `sinew console --record` or `sinew play --record`.
     #[arg(value_name = "SHOW|CLIP|RECORDING")]
     shows: Vec<String>,
+
+    /// A loop of idle life, such as that of `sinew clip idle` and `sinew bake --loop`. The page starts it. A show
+    /// interrupts it, and after the show it continues where it was. The console sends the poses itself, so the loop
+    /// needs no slot of the board.
+    #[arg(long, value_name = "LOOP.show")]
+    idle: Option<PathBuf>,
 
     /// The rig: rig.toml, URDF or MJCF. Default: the arm of `sinew rig new --arm 6`.
     #[arg(long, value_name = "RIG")]
@@ -189,10 +197,9 @@ impl ConsoleArgs {
         self.fault.iter().map(resolve).collect()
     }
 
-    /// Reads the shows, and bakes the clips.
-    fn shows(&self, rig: &LoadedRig, parts: &RigParts) -> anyhow::Result<Vec<OwnShow>> {
-        let own = |name: &String| {
-            let path = Path::new(name);
+    /// Reads the shows and idle life, and bakes the clips.
+    fn shows(&self, rig: &LoadedRig, parts: &RigParts) -> anyhow::Result<OwnShows> {
+        let own = |path: &Path| {
             let crc = parts.rig_crc();
             let (bytes, sound) = if let Some(file) = show::read(path)? {
                 (file.bytes, file.sound.and_then(|sound| own_sound(path, &sound)))
@@ -200,11 +207,18 @@ impl ConsoleArgs {
                 let on_rig = PerformanceArgs::default();
                 (show::bake((rig, crc), path, &on_rig, None, None, UnitArgs::default())?, None)
             };
-            Show::open(&bytes)?.check_rig(crc).with_context(|| name.clone())?;
+            Show::open(&bytes)?.check_rig(crc).with_context(|| path.display().to_string())?;
             let stem = path.file_stem().unwrap_or(path.as_os_str());
             Ok(OwnShow { name: stem.to_string_lossy().into_owned(), bytes: bytes.into(), sound })
         };
-        self.shows.iter().map(own).collect()
+        let shows = self.shows.iter().map(|name| own(Path::new(name)));
+        let shows = shows.collect::<anyhow::Result<_>>()?;
+        let idle = self.idle.as_deref().map(own).transpose()?;
+        if let Some(idle) = &idle {
+            let scene = Scene::new(&rig.description.name, &rig.mechanism, parts, Source::Simulated);
+            idle_life(&idle.bytes, &scene).map_err(|why| anyhow!("--idle {}: {why}", idle.name))?;
+        }
+        Ok(OwnShows { shows, idle })
     }
 }
 
@@ -275,7 +289,7 @@ impl Served<'_> {
         self,
         board: &mut Board<L>,
         name: &str,
-        shows: Vec<OwnShow>,
+        own: OwnShows,
     ) -> anyhow::Result<ExitCode> {
         let Self { args, rig, parts, source, stop } = self;
         let console = args.open()?;
@@ -283,7 +297,7 @@ impl Served<'_> {
         let records = args.records(rig, parts)?;
         let _redirect = args.tell(&console.addresses())?;
         note(format_args!("open this address in a browser; Ctrl-C stops the rig and ends"));
-        match console.run(board, &scene, (name, shows, records), &|| stop.times()) {
+        match console.run(board, &scene, (name, own, records), &|| stop.times()) {
             Ok(Ended::Stopped) => {
                 note(format_args!("torque is off"));
                 Ok(ExitCode::SUCCESS)
