@@ -64,6 +64,17 @@ impl Batch {
         widest(Efforts { batch: self, motion });
         &self.efforts
     }
+
+    /// Returns the efforts, computed with these instructions.
+    #[cfg(test)]
+    pub(crate) fn efforts_with(
+        &mut self,
+        instructions: crate::widest::Instructions,
+        motion: [&[Numbers]; 3],
+    ) -> &[Numbers] {
+        instructions.run(Efforts { batch: self, motion });
+        &self.efforts
+    }
 }
 
 struct Takes<'a> {

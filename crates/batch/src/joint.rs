@@ -24,7 +24,8 @@ impl Motion {
     /// Returns the motion of a joint at rest. Motions of joints that only turn keep its arm.
     pub(crate) fn at_rest(body: &Body) -> Self {
         let joint = if slides(body.joint) { JointKind::Fixed } else { body.joint };
-        let q: &[f32] = if joint == JointKind::Spherical { &[0.0, 0.0, 0.0, 1.0] } else { &[0.0; 2] };
+        let q: &[f32] =
+            if joint == JointKind::Spherical { &[0.0, 0.0, 0.0, 1.0] } else { &[0.0; 2] };
         let still = [0.0; 3];
         let q = &q[..joint.coordinate_count()];
         let state = joint.state(body.placement, q, &still[..joint.dof_count()]).unwrap_or_default();

@@ -8,11 +8,15 @@
 //! - [`widest`]: the processor's widest vector instructions, chosen while the program runs.
 
 #![deny(missing_docs)]
+#![expect(clippy::inline_always, reason = "see `Work::run`")]
+#![expect(clippy::needless_range_loop, reason = "loops over lanes become vector instructions")]
 
 mod efforts;
 mod joint;
 mod lanes;
 mod sweep;
+#[cfg(test)]
+mod tests;
 mod widest;
 
 pub use efforts::Batch;

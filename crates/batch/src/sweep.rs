@@ -42,9 +42,8 @@ impl Moving {
             let alpha = parent.angular_acceleration.at(lane);
             let carried_velocity = to_body * of_parent;
             let around = of_parent.cross(arm);
-            let carried_acceleration = parent.linear_acceleration.at(lane)
-                + alpha.cross(arm)
-                + of_parent.cross(around);
+            let carried_acceleration =
+                parent.linear_acceleration.at(lane) + alpha.cross(arm) + of_parent.cross(around);
             let turning = joint.acceleration[0].at(lane);
             let alpha = to_body * alpha + turning + carried_velocity.cross(w);
             self.angular_velocity.set(lane, carried_velocity + w);

@@ -1,12 +1,12 @@
 // A loop of Pinocchio's inverse dynamics over rows of coordinates, as a user of the C++ library writes it.
 //
-//   pinocchio MODEL.urdf ROWS OUT ROUNDS
+//   pinocchio MODEL ROWS OUT ROUNDS
 //
-// ROWS contains float64: all positions, then all speeds, then all accelerations, row after row. OUT gets the efforts.
+// MODEL is a file of `saveToBinary` of Pinocchio's Python package. ROWS contains float64: all positions, then all speeds, then all accelerations, row after row. OUT gets the efforts.
 // Standard output gets the nanoseconds per row of the best round.
 #include <pinocchio/multibody.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
-#include <pinocchio/parsers/urdf.hpp>
+#include <pinocchio/serialization.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -19,7 +19,7 @@
 int main(int count, char** arguments) {
     if (count != 5) return 2;
     pinocchio::Model model;
-    pinocchio::urdf::buildModel(std::string(arguments[1]), model);
+    model.loadFromBinary(arguments[1]);
     pinocchio::Data data(model);
     std::ifstream file(arguments[2], std::ios::binary | std::ios::ate);
     std::vector<double> numbers(std::size_t(file.tellg()) / sizeof(double));
