@@ -84,6 +84,19 @@ fn of_dof(dof: &DofReview, lift_nm: f64) -> Vec<(Severity, String)> {
                 ),
             ));
         }
+        if let Some([least, most]) = servo.reached {
+            let (unit, scale) =
+                if dof.slides { ("mm", 1e3) } else { ("deg", 1.0_f64.to_degrees()) };
+            found.push((
+                Severity::Warning,
+                format!(
+                    "its servo {names} reaches only {:.1} to {:.1} {unit} of its range: a show that goes farther ends \
+                     with a following error; give the joint this range, or the servo another gear, home or range",
+                    least * scale,
+                    most * scale
+                ),
+            ));
+        }
         if let Some(speed) = dof.speed_limit
             && speed > servo.no_load_speed
         {

@@ -33,6 +33,10 @@ pub struct Capability {
     pub current_per_effort: f64,
     /// Whether a value in the servo's data is a guess.
     pub guessed: bool,
+    /// Part of the joint's range that the servos' own ranges permit, rad or m. `None` if they permit all of it, or if
+    /// the drive has several dofs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reached: Option<[f64; 2]>,
     /// Gear inside the tracker's loop; `None` if a servo has a loop of its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gear: Option<SoftGear>,

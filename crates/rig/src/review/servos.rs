@@ -8,9 +8,16 @@ use crate::description::{Description, DescriptionError, ServoModel};
 use crate::drive::{DriveInputError, DrivePose};
 use crate::mechanism::{JointModel, Link, Mechanism};
 use crate::number::single;
+use crate::servo::Servo;
 
 /// Number of poses over a joint's range at which a curve or a four-bar is evaluated.
 const POSES: usize = 33;
+
+/// Number of halvings that find an end of a range: to a millionth of it.
+const HALVINGS: usize = 20;
+
+/// Excess over a servo's range that is only rounding, rad: below a step of an encoder with 4096 steps.
+const ROUNDING_RAD: f32 = 1e-3;
 
 impl Servos {
     /// Returns the capability of each dof of a mechanism, at the weakest and at the slowest pose of each joint's
@@ -108,6 +115,7 @@ fn capabilities(
         resolution: 0.0,
         current_per_effort: 0.0,
         guessed: servos.iter().any(|servo| servo.guessed),
+        reached: reached(actuation, drive, joints)?,
         gear: None,
     };
     let mut all = vec![nameless; drive.drive.dofs()];
@@ -122,6 +130,50 @@ fn capabilities(
         }
     }
     Ok(all)
+}
+
+/// Returns the part of a joint's range that the servos of its drive permit, from home outwards. Returns nothing if they
+/// permit the whole range, or if the drive has several dofs.
+fn reached(
+    actuation: &Actuation,
+    drive: &JoinedDrive,
+    joints: &[&Link],
+) -> Result<Option<[f64; 2]>, DriveInputError> {
+    let ([link], Some(range)) = (joints, joints.first().and_then(|link| link.ranges.first()))
+    else {
+        return Ok(None);
+    };
+    let (1, Some(home)) = (link.joint.kind().dof_count(), link.home.first()) else {
+        return Ok(None);
+    };
+    let is_reached = |q: f64| -> Result<bool, DriveInputError> {
+        let pose = drive.drive.at_joints(&[single(q)])?;
+        let mut servos = drive.servos.iter().filter_map(|index| actuation.servos.get(*index));
+        Ok(pose
+            .servos()
+            .iter()
+            .all(|shaft| servos.next().is_none_or(|servo| permits(servo, *shaft))))
+    };
+    let (mut reached, mut is_whole) = (*range, true);
+    for end in &mut reached {
+        if is_reached(*end)? {
+            continue;
+        }
+        is_whole = false;
+        let (mut inside, mut outside) = (*home, *end);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            *(if is_reached(middle)? { &mut inside } else { &mut outside }) = middle;
+        }
+        *end = inside;
+    }
+    Ok((!is_whole).then_some(reached))
+}
+
+/// Returns whether a servo's own range contains a position of the drive's shaft, rad.
+fn permits(servo: &Servo, shaft_rad: f32) -> bool {
+    let limited = servo.own_position(shaft_rad);
+    limited.is_ok_and(|own| (servo.shaft_position(own.value) - shaft_rad).abs() < ROUNDING_RAD)
 }
 
 /// A servo's data at the input shaft of the drive.

@@ -82,6 +82,7 @@ fn a_review_says_what_is_too_heavy() {
         resolution: 0.0015,
         current_per_effort: 2.0,
         guessed: false,
+        reached: None,
         gear: None,
     };
     let servos = Servos {
@@ -199,6 +200,26 @@ fn friction_that_no_drive_overcomes_is_found() {
 
 /// An arm of XL330 servos in its old form, reviewed with the observer bandwidths of the rule and with 100 rad/s for
 /// all joints.
+#[test]
+fn a_servo_that_reaches_less_than_its_joint_is_found() {
+    let mut rig = crate::new::arm(2).unwrap();
+    let reached = |rig: &crate::description::Description| {
+        let mechanism = rig.mechanism().unwrap();
+        Servos::of(rig, &mechanism).unwrap().by_dof[0].clone().unwrap().reached
+    };
+    assert_eq!(reached(&rig), None);
+    // The servo turns by pi to each side, so behind a gear of 4 the joint turns by a quarter of it.
+    let quarter = std::f64::consts::FRAC_PI_4;
+    rig.servos[0].range_rad = vec![[-std::f64::consts::PI, std::f64::consts::PI]];
+    rig.servos[0].gear = 4.0;
+    let [joint_least, joint_most] = rig.joints[0].range_rad[0];
+    assert!(joint_least < -quarter && joint_most > quarter);
+    let [least, most] = reached(&rig).unwrap();
+    assert!((least + quarter).abs() < 1e-3 && (most - quarter).abs() < 1e-3, "{least} {most}");
+    rig.joints[0].range_rad[0] = [least, most];
+    assert_eq!(reached(&rig), None);
+}
+
 #[test]
 fn a_loop_that_its_gear_does_not_bear_is_found() {
     // The links of this old file are longer than those of the current arm.

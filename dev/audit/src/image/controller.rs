@@ -3,11 +3,13 @@
 use core::hint::black_box;
 
 use sinew_firmware::controller::{
-    ControllerSettings, Inputs, MotionController, ServoSetup, Start, Wire, estimated_us, exchange,
-    open_show,
+    ControllerSettings, Inputs, MotionController, ServoSetup, Start, Wire, approach, estimated_us,
+    exchange, open_show,
 };
+use sinew_firmware::supervisor::Settings;
 use sinew_rig::board::BoardRig;
 use sinew_servo_bus::{EncodeError, Schedule, pca9685};
+use sinew_show::{Show, ShowFrames};
 
 use super::{slice, slice_mut};
 
@@ -52,10 +54,18 @@ pub(crate) fn ticks() {
     black_box(&controller.load_show(black_box(Some(slice()))));
     let (crc, dt_s) = (black_box(1), controller.dt_s());
     controller.put_show(open_show(rig, crc, dt_s, slice()).ok());
+    way(rig, dt_s);
     let begun = controller.begin(&black_box(Inputs::default()), &mut (), &mut bus);
     let exchanged: Result<(), EncodeError> = exchange(&mut bus, &mut Anything, slice_mut());
     black_box(controller.end(begun, exchanged, black_box(1)).is_ok());
     black_box((controller.report(), controller.supervisor(), controller.permission()));
     black_box((controller.commanded(), controller.measured()));
     controller.forget_registers(&mut bus);
+}
+
+#[inline(never)]
+fn way(rig: &BoardRig<BODIES, DOFS, SERVOS>, dt_s: f32) {
+    let Ok(show) = Show::open(slice()) else { return };
+    let Ok(mut frames) = ShowFrames::<COORDINATES>::new(black_box(show), dt_s) else { return };
+    black_box(&approach(rig, &black_box(Settings::default()), &mut frames, dt_s, slice()));
 }
