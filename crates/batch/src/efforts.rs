@@ -139,6 +139,7 @@ impl Work for Efforts<'_> {
             }
             let out = &mut efforts[ranges[index][1].clone()];
             match (body.joint, out) {
+                (JointKind::Fixed, _) => {}
                 (JointKind::Revolute { axis }, [out]) => {
                     for lane in 0..LANES {
                         out[lane] = 0.0 + axis.dot(moving.moment.at(lane));

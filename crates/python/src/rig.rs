@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
-use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _, PyReadonlyArray2};
 use pyo3::prelude::*;
 use sinew_mocap::Up;
 use sinew_performance::rig::{LoadedRig, load};
@@ -308,7 +308,8 @@ impl NativeRig {
         array(py, [count, self.nv], out)
     }
 
-    /// Computes the efforts of a single row; `None` unless all arguments are arrays of float64 with one axis.
+    /// Computes the efforts of a single row; `None` unless all arguments are contiguous arrays of float64 with one
+    /// axis.
     fn inverse_dynamics_of_row<'py>(
         &self,
         py: Python<'py>,
@@ -319,14 +320,17 @@ impl NativeRig {
         let given = [("q", q, self.nq), ("qd", qd, self.nv), ("qdd", qdd, self.nv)];
         let mut motion = [const { Vec::new() }; 3];
         for ((name, array, width), row) in given.into_iter().zip(&mut motion) {
-            let Ok(array) = array.extract::<PyReadonlyArray1<'py, f64>>() else { return Ok(None) };
-            check_width(name, array.len()?, width)?;
-            row.extend(array.as_array().iter().copied().map(single));
+            // The copy avoids the costs of a `PyReadonlyArray`, which exceed those of the computation.
+            let array = array.cast::<PyArray1<f64>>().ok().map(|array| array.to_vec());
+            let Some(Ok(array)) = array else { return Ok(None) };
+            check_width(name, array.len(), width)?;
+            row.extend(array.into_iter().map(single));
         }
         let mut dynamics = self.dynamics();
         let motion = motion.each_ref().map(Vec::as_slice);
         let efforts = dynamics.row_efforts(motion, (0, 1)).map_err(value)?;
-        Ok(Some(PyArray1::from_iter(py, efforts.iter().copied().map(f64::from))))
+        let efforts: Vec<f64> = efforts.iter().copied().map(f64::from).collect();
+        Ok(Some(PyArray1::from_slice(py, &efforts)))
     }
 
     fn forward_dynamics<'py>(
