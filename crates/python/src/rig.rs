@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use sinew_mocap::Up;
 use sinew_performance::rig::{LoadedRig, load};
@@ -17,6 +17,7 @@ use crate::arrays::{Rows, array, check_width, count_rows, expect_rows, single};
 use crate::clip::check_unit;
 use crate::dynamics::{Dynamics, Piece};
 use crate::error::value;
+use crate::jacobian::columns;
 use crate::work::in_pieces;
 
 /// A rig, which is shared by all objects that are made from it.
@@ -268,11 +269,11 @@ impl NativeRig {
             return Err(value(format!("point: expected three finite numbers, found {bad}")));
         }
         let q = self.positions(py, &q)?;
-        let nv = self.nv;
+        let (nv, point_m) = (self.nv, DVec3::from_array(point));
         let mut out = Vec::with_capacity(q.count * 6 * nv);
         in_pieces(py, q.count, |rows| {
             for row in rows {
-                let columns = self.jacobian_columns(q.row(row), body, DVec3::from_array(point));
+                let columns = columns(&self.loaded.mechanism, q.row(row), body, point_m);
                 for k in 0..6 {
                     out.extend(columns.iter().map(
                         |[linear, angular]| {
@@ -320,8 +321,8 @@ impl NativeRig {
         let given = [("q", q, self.nq), ("qd", qd, self.nv), ("qdd", qdd, self.nv)];
         let mut motion = [const { Vec::new() }; 3];
         for ((name, array, width), row) in given.into_iter().zip(&mut motion) {
-            // The copy avoids the costs of a `PyReadonlyArray`, which exceed those of the computation.
-            let array = array.cast::<PyArray1<f64>>().ok().map(|array| array.to_vec());
+            // A `PyReadonlyArray` costs more time than this copy.
+            let array = array.cast::<PyArray1<f64>>().ok().map(PyArrayMethods::to_vec);
             let Some(Ok(array)) = array else { return Ok(None) };
             check_width(name, array.len(), width)?;
             row.extend(array.into_iter().map(single));
@@ -375,30 +376,5 @@ impl NativeRig {
             Ok(())
         })?;
         array(py, [count, nv, nv], out)
-    }
-}
-
-impl NativeRig {
-    /// Returns, for each dof at unit speed, the linear and angular velocity of a point of a body, in world axes.
-    fn jacobian_columns(&self, q: &[f64], body: usize, point_m: DVec3) -> Vec<[DVec3; 2]> {
-        let mechanism = &self.loaded.mechanism;
-        let poses = mechanism.poses(q);
-        let point_m = poses[body].point(point_m);
-        let ranges = mechanism.coordinate_ranges();
-        let mut columns = Vec::new();
-        for (joint, (link, range)) in self.links().iter().zip(ranges).enumerate() {
-            let Pose { rotation, position_m } = poses[joint];
-            let (turns, slides) = link.joint.axes(&q[range]);
-            let moves = mechanism.supports(joint, body);
-            let column = |linear: DVec3, angular: DVec3| {
-                if moves { [linear, angular] } else { [DVec3::ZERO; 2] }
-            };
-            columns.extend(turns.into_iter().map(|axis| {
-                let axis = rotation * axis;
-                column(axis.cross(point_m - position_m), axis)
-            }));
-            columns.extend(slides.into_iter().map(|axis| column(rotation * axis, DVec3::ZERO)));
-        }
-        columns
     }
 }
