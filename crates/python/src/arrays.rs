@@ -21,22 +21,13 @@ impl Rows {
         array: &PyReadonlyArray2<'_, f64>,
         width: usize,
     ) -> PyResult<Self> {
-        let &[count, found] = array.shape() else { return Err(value("an array of rows")) };
-        if found != width {
-            return Err(value(format!("{name}: expected {width} numbers in a row, found {found}")));
-        }
+        let count = count_rows(name, array, width)?;
         Ok(Self { count, width, numbers: array.as_array().iter().copied().collect() })
     }
 
     /// Returns an error unless the number of rows is `count`.
     pub(crate) fn expect(&self, name: &str, count: usize) -> PyResult<()> {
-        if self.count == count {
-            return Ok(());
-        }
-        Err(value(format!(
-            "{name}: expected {count} rows, as many as the first array has, found {}",
-            self.count
-        )))
+        expect_rows(name, self.count, count)
     }
 
     /// Returns a row.
@@ -65,6 +56,34 @@ impl SingleRows {
     pub(crate) fn row(&self, index: usize) -> &[f32] {
         &self.numbers[index * self.width..][..self.width]
     }
+}
+
+/// Returns the number of rows of an array, and an error unless each row has `width` numbers.
+pub(crate) fn count_rows(
+    name: &str,
+    array: &PyReadonlyArray2<'_, f64>,
+    width: usize,
+) -> PyResult<usize> {
+    let &[count, found] = array.shape() else { return Err(value("an array of rows")) };
+    check_width(name, found, width).map(|()| count)
+}
+
+/// Returns an error unless a row has `width` numbers.
+pub(crate) fn check_width(name: &str, found: usize, width: usize) -> PyResult<()> {
+    if found == width {
+        return Ok(());
+    }
+    Err(value(format!("{name}: expected {width} numbers in a row, found {found}")))
+}
+
+/// Returns an error unless an array has `count` rows.
+pub(crate) fn expect_rows(name: &str, found: usize, count: usize) -> PyResult<()> {
+    if found == count {
+        return Ok(());
+    }
+    Err(value(format!(
+        "{name}: expected {count} rows, as many as the first array has, found {found}"
+    )))
 }
 
 /// Converts a number to f32, the core's precision. NaN stays NaN, and a number that is too large becomes infinite; the

@@ -1,20 +1,53 @@
 //! Dynamics of a mechanism for rows of coordinates, in f32, the core's precision.
 
+use std::ops::Range;
+
+use numpy::PyReadonlyArray2;
 use sinew_core::coordinates::CoordinatesError;
 use sinew_core::{JointStates, Tree, TreeError};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{BODY_COUNT_MAX, InverseDynamics, LANES};
 
-use crate::arrays::SingleRows;
+use crate::arrays::{SingleRows, single};
 
 /// Dynamics of a rig, and the buffers that they need.
 #[derive(Debug)]
 pub(crate) struct Dynamics {
     inverse: InverseDynamics,
     tree: SizedTree,
-    nq: usize,
-    nv: usize,
-    lanes: [Vec<[f32; LANES]>; 3],
+}
+
+/// Positions, speeds and accelerations of consecutive rows, in groups of [`LANES`] rows that are computed at once. The
+/// last group is filled up with its last row.
+#[derive(Debug, Default)]
+pub(crate) struct Piece {
+    rows: Range<usize>,
+    /// Numbers of each group, by coordinate.
+    groups: Vec<[Vec<[f32; LANES]>; 3]>,
+}
+
+impl Piece {
+    /// Number of rows that are copied at once: few enough for the processor's nearest caches.
+    pub(crate) const ROWS: usize = 16 * LANES;
+
+    /// Copies rows of positions, speeds and accelerations.
+    pub(crate) fn fill(&mut self, motion: [&PyReadonlyArray2<'_, f64>; 3], rows: Range<usize>) {
+        self.groups.resize_with(rows.len().div_ceil(LANES), Default::default);
+        for (kind, array) in motion.into_iter().enumerate() {
+            let array = array.as_array();
+            for (group, first) in self.groups.iter_mut().zip(rows.clone().step_by(LANES)) {
+                let lanes = &mut group[kind];
+                lanes.resize(array.ncols(), [0.0; LANES]);
+                for lane in 0..LANES {
+                    let row = array.row((first + lane).min(rows.end - 1));
+                    for (of_lanes, number) in lanes.iter_mut().zip(row) {
+                        of_lanes[lane] = single(*number);
+                    }
+                }
+            }
+        }
+        self.rows = rows;
+    }
 }
 
 /// Tree of the core. Its capacity is near the number of bodies, because the core's use of the stack grows with the
@@ -61,10 +94,12 @@ impl Dynamics {
             17..=40 => SizedTree::Medium(Box::new(mechanism.tree()?)),
             _ => SizedTree::Large(Box::new(mechanism.tree()?)),
         };
-        let nv = sized!(&tree, tree => tree.dof_count());
-        let nq = mechanism.coordinate_count();
-        let lanes = [nq, nv, nv].map(|width| vec![[0.0; LANES]; width]);
-        Ok(Self { inverse: InverseDynamics::of(mechanism)?, tree, nq, nv, lanes })
+        Ok(Self { inverse: InverseDynamics::of(mechanism)?, tree })
+    }
+
+    /// Returns the number of dofs.
+    pub(crate) fn dof_count(&self) -> usize {
+        sized!(&self.tree, tree => tree.dof_count())
     }
 
     /// Refuses positions that are invalid for the core. `count`: number of rows in the batch.
@@ -75,50 +110,48 @@ impl Dynamics {
         checked.map_err(|source| RowError { row, is_single: count == 1, source })
     }
 
-    /// Appends the efforts of rows to `out`. Groups of [`LANES`] rows are computed side by side; their results are
-    /// identical to those of single rows.
+    /// Appends the efforts of rows to `out`. The results are identical to those of single rows. `count`: number of rows
+    /// in the batch.
     pub(crate) fn efforts(
         &mut self,
-        [q, qd, qdd]: [&SingleRows; 3],
-        (rows, count): (std::ops::Range<usize>, usize),
+        piece: &Piece,
+        count: usize,
         out: &mut Vec<f64>,
     ) -> Result<(), RowError> {
-        let mut row = rows.start;
-        while row + LANES <= rows.end {
-            for (of, lanes) in [q, qd, qdd].into_iter().zip(&mut self.lanes) {
-                for lane in 0..LANES {
-                    for (slot, number) in lanes.iter_mut().zip(of.row(row + lane)) {
-                        slot[lane] = *number;
-                    }
-                }
+        for (group, first) in piece.groups.iter().zip(piece.rows.clone().step_by(LANES)) {
+            let [q, qd, qdd] = group;
+            let Ok(efforts) = self.inverse.efforts_side_by_side(q, qd, qdd) else {
+                return self.find_error(group, (first, count));
+            };
+            for lane in 0..LANES.min(piece.rows.end - first) {
+                out.extend(efforts.iter().map(|lanes| f64::from(lanes[lane])));
             }
-            let [q_lanes, qd_lanes, qdd_lanes] = &self.lanes;
-            if let Ok(efforts) = self.inverse.efforts_side_by_side(q_lanes, qd_lanes, qdd_lanes) {
-                for lane in 0..LANES {
-                    out.extend(efforts.iter().map(|lanes| f64::from(lanes[lane])));
-                }
-            } else {
-                // Computing single rows finds the row with the error.
-                self.one_by_one([q, qd, qdd], (row..row + LANES, count), out)?;
-            }
-            row += LANES;
-        }
-        self.one_by_one([q, qd, qdd], (row..rows.end, count), out)
-    }
-
-    fn one_by_one(
-        &mut self,
-        [q, qd, qdd]: [&SingleRows; 3],
-        (rows, count): (std::ops::Range<usize>, usize),
-        out: &mut Vec<f64>,
-    ) -> Result<(), RowError> {
-        for row in rows {
-            let efforts = self.inverse.efforts(q.row(row), qd.row(row), qdd.row(row));
-            let efforts =
-                efforts.map_err(|source| RowError { row, is_single: count == 1, source })?;
-            out.extend(efforts.iter().copied().map(f64::from));
         }
         Ok(())
+    }
+
+    /// Returns the error of the first row of a group that has an error.
+    fn find_error(
+        &mut self,
+        group: &[Vec<[f32; LANES]>; 3],
+        (first, count): (usize, usize),
+    ) -> Result<(), RowError> {
+        for lane in 0..LANES {
+            let of_lane = |lanes: &Vec<[f32; LANES]>| lanes.iter().map(|of| of[lane]).collect();
+            let [q, qd, qdd]: [Vec<f32>; 3] = group.each_ref().map(of_lane);
+            self.row_efforts([&q, &qd, &qdd], (first + lane, count))?;
+        }
+        Ok(())
+    }
+
+    /// Returns the efforts of a row.
+    pub(crate) fn row_efforts(
+        &mut self,
+        [q, qd, qdd]: [&[f32]; 3],
+        (row, count): (usize, usize),
+    ) -> Result<&[f32], RowError> {
+        let efforts = self.inverse.efforts(q, qd, qdd);
+        efforts.map_err(|source| RowError { row, is_single: count == 1, source })
     }
 
     /// Appends the accelerations that the efforts of a row cause.
@@ -128,7 +161,7 @@ impl Dynamics {
         (row, count): (usize, usize),
         out: &mut Vec<f64>,
     ) -> Result<(), RowError> {
-        let mut qdd = vec![0.0; self.nv];
+        let mut qdd = vec![0.0; self.dof_count()];
         let computed = sized!(&self.tree, tree => {
             tree.forward_dynamics(q.row(row), qd.row(row), tau.row(row), &mut qdd)
         });
@@ -144,18 +177,11 @@ impl Dynamics {
         (row, count): (usize, usize),
         out: &mut Vec<f64>,
     ) -> Result<(), RowError> {
-        let mut matrix = vec![0.0; self.nv * self.nv];
+        let nv = self.dof_count();
+        let mut matrix = vec![0.0; nv * nv];
         let computed = sized!(&self.tree, tree => tree.mass_matrix(q.row(row), &mut matrix));
         computed.map_err(|source| RowError { row, is_single: count == 1, source })?;
         out.extend(matrix.into_iter().map(f64::from));
         Ok(())
-    }
-
-    pub(crate) fn nq(&self) -> usize {
-        self.nq
-    }
-
-    pub(crate) fn nv(&self) -> usize {
-        self.nv
     }
 }

@@ -4,7 +4,7 @@
 //! errors, and calls the other crates.
 //!
 //! - `arrays`, `error`, `work`: arrays of NumPy, exceptions, and long work without Python's global lock.
-//! - `rig`, `dynamics`, `tracker`: rigs, their dynamics in f32, and the tick of the controller.
+//! - `rig`, `dynamics`, `jacobian`, `tracker`: rigs, their dynamics in f32, and the tick of the controller.
 //! - `clip`, `show`: recorded clips, their retargeting to a rig, and shows.
 //! - `errors`, `heading`, `metrics`: state errors, distances between poses, importance of joints.
 //! - `board/`: boards at ports, simulated boards, consoles.
@@ -22,6 +22,7 @@ mod error;
 mod errors;
 mod evaluate;
 mod heading;
+mod jacobian;
 mod metrics;
 mod motions;
 mod rig;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
-use numpy::{PyArray2, PyArray3, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use sinew_mocap::Up;
 use sinew_performance::rig::{LoadedRig, load};
@@ -13,10 +13,11 @@ use sinew_rig::import::Options;
 use sinew_rig::mechanism::{JointModel, Link, Pose, Tie};
 use sinew_rig::{Description, toml_file};
 
-use crate::arrays::{Rows, array};
+use crate::arrays::{Rows, array, check_width, count_rows, expect_rows, single};
 use crate::clip::check_unit;
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, Piece};
 use crate::error::value;
+use crate::jacobian::columns;
 use crate::work::in_pieces;
 
 /// A rig, which is shared by all objects that are made from it.
@@ -24,6 +25,8 @@ use crate::work::in_pieces;
 pub(crate) struct NativeRig {
     pub(crate) loaded: Arc<LoadedRig>,
     dynamics: Mutex<Dynamics>,
+    nq: usize,
+    nv: usize,
 }
 
 /// Reads a rig from a file.
@@ -59,8 +62,7 @@ pub(crate) fn load_rig(
         if !rotors {
             loaded.mechanism.bodies.iter_mut().for_each(|link| link.rotor_inertia = 0.0);
         }
-        let dynamics = Mutex::new(Dynamics::of(&loaded.mechanism).map_err(value)?);
-        Ok(NativeRig { loaded: Arc::new(loaded), dynamics })
+        NativeRig::of(loaded)
     })
 }
 
@@ -79,10 +81,14 @@ pub(crate) fn new_face() -> PyResult<NativeRig> {
 impl NativeRig {
     fn new(description: Description) -> PyResult<Self> {
         let mechanism = description.mechanism().map_err(value)?;
-        let dynamics = Mutex::new(Dynamics::of(&mechanism).map_err(value)?);
         let (notes, doubts) = (Vec::new(), Vec::new());
-        let loaded = LoadedRig { description, mechanism, world: None, notes, doubts };
-        Ok(Self { loaded: Arc::new(loaded), dynamics })
+        Self::of(LoadedRig { description, mechanism, world: None, notes, doubts })
+    }
+
+    fn of(loaded: LoadedRig) -> PyResult<Self> {
+        let dynamics = Dynamics::of(&loaded.mechanism).map_err(value)?;
+        let (nq, nv) = (loaded.mechanism.coordinate_count(), dynamics.dof_count());
+        Ok(Self { loaded: Arc::new(loaded), dynamics: Mutex::new(dynamics), nq, nv })
     }
 
     fn dynamics(&self) -> MutexGuard<'_, Dynamics> {
@@ -95,7 +101,7 @@ impl NativeRig {
 
     /// Copies coordinates, and refuses coordinates that are invalid for the core.
     fn positions(&self, py: Python<'_>, q: &PyReadonlyArray2<'_, f64>) -> PyResult<Rows> {
-        let q = Rows::of("q", q, self.loaded.mechanism.coordinate_count())?;
+        let q = Rows::of("q", q, self.nq)?;
         let single = q.single();
         in_pieces(py, q.count, |rows| {
             let dynamics = self.dynamics();
@@ -144,12 +150,12 @@ impl NativeRig {
 
     #[getter]
     fn nq(&self) -> usize {
-        self.loaded.mechanism.coordinate_count()
+        self.nq
     }
 
     #[getter]
     fn nv(&self) -> usize {
-        self.dynamics().nv()
+        self.nv
     }
 
     #[getter]
@@ -263,11 +269,11 @@ impl NativeRig {
             return Err(value(format!("point: expected three finite numbers, found {bad}")));
         }
         let q = self.positions(py, &q)?;
-        let nv = self.nv();
+        let (nv, point_m) = (self.nv, DVec3::from_array(point));
         let mut out = Vec::with_capacity(q.count * 6 * nv);
         in_pieces(py, q.count, |rows| {
             for row in rows {
-                let columns = self.jacobian_columns(q.row(row), body, DVec3::from_array(point));
+                let columns = columns(&self.loaded.mechanism, q.row(row), body, point_m);
                 for k in 0..6 {
                     out.extend(columns.iter().map(
                         |[linear, angular]| {
@@ -288,19 +294,44 @@ impl NativeRig {
         qd: PyReadonlyArray2<'py, f64>,
         qdd: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (nq, nv) = self.sizes();
-        let [q, qd, qdd] =
-            [Rows::of("q", &q, nq)?, Rows::of("qd", &qd, nv)?, Rows::of("qdd", &qdd, nv)?];
-        qd.expect("qd", q.count)?;
-        qdd.expect("qdd", q.count)?;
-        let count = q.count;
-        let [q, qd, qdd] = [q, qd, qdd].map(|rows| rows.single());
-        let mut out = Vec::with_capacity(count * nv);
-        in_pieces(py, count, |rows| {
-            let mut dynamics = self.dynamics();
-            dynamics.efforts([&q, &qd, &qdd], (rows, count), &mut out).map_err(value)
-        })?;
-        array(py, [count, nv], out)
+        let count = count_rows("q", &q, self.nq)?;
+        for (name, array) in [("qd", &qd), ("qdd", &qdd)] {
+            expect_rows(name, count_rows(name, array, self.nv)?, count)?;
+        }
+        let mut out = Vec::with_capacity(count * self.nv);
+        let mut piece = Piece::default();
+        for start in (0..count).step_by(Piece::ROWS) {
+            // Python's global lock prevents other threads from changing the arrays.
+            piece.fill([&q, &qd, &qdd], start..(start + Piece::ROWS).min(count));
+            py.detach(|| self.dynamics().efforts(&piece, count, &mut out)).map_err(value)?;
+            py.check_signals()?;
+        }
+        array(py, [count, self.nv], out)
+    }
+
+    /// Computes the efforts of a single row; `None` unless all arguments are contiguous arrays of float64 with one
+    /// axis.
+    fn inverse_dynamics_of_row<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let given = [("q", q, self.nq), ("qd", qd, self.nv), ("qdd", qdd, self.nv)];
+        let mut motion = [const { Vec::new() }; 3];
+        for ((name, array, width), row) in given.into_iter().zip(&mut motion) {
+            // A `PyReadonlyArray` costs more time than this copy.
+            let array = array.cast::<PyArray1<f64>>().ok().map(PyArrayMethods::to_vec);
+            let Some(Ok(array)) = array else { return Ok(None) };
+            check_width(name, array.len(), width)?;
+            row.extend(array.into_iter().map(single));
+        }
+        let mut dynamics = self.dynamics();
+        let motion = motion.each_ref().map(Vec::as_slice);
+        let efforts = dynamics.row_efforts(motion, (0, 1)).map_err(value)?;
+        let efforts: Vec<f64> = efforts.iter().copied().map(f64::from).collect();
+        Ok(Some(PyArray1::from_slice(py, &efforts)))
     }
 
     fn forward_dynamics<'py>(
@@ -310,7 +341,7 @@ impl NativeRig {
         qd: PyReadonlyArray2<'py, f64>,
         tau: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (nq, nv) = self.sizes();
+        let (nq, nv) = (self.nq, self.nv);
         let [q, qd, tau] =
             [Rows::of("q", &q, nq)?, Rows::of("qd", &qd, nv)?, Rows::of("tau", &tau, nv)?];
         qd.expect("qd", q.count)?;
@@ -333,7 +364,7 @@ impl NativeRig {
         py: Python<'py>,
         q: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let (nq, nv) = self.sizes();
+        let (nq, nv) = (self.nq, self.nv);
         let q = Rows::of("q", &q, nq)?;
         let (count, q) = (q.count, q.single());
         let mut out = Vec::with_capacity(count * nv * nv);
@@ -345,35 +376,5 @@ impl NativeRig {
             Ok(())
         })?;
         array(py, [count, nv, nv], out)
-    }
-}
-
-impl NativeRig {
-    fn sizes(&self) -> (usize, usize) {
-        let dynamics = self.dynamics();
-        (dynamics.nq(), dynamics.nv())
-    }
-
-    /// Returns, for each dof at unit speed, the linear and angular velocity of a point of a body, in world axes.
-    fn jacobian_columns(&self, q: &[f64], body: usize, point_m: DVec3) -> Vec<[DVec3; 2]> {
-        let mechanism = &self.loaded.mechanism;
-        let poses = mechanism.poses(q);
-        let point_m = poses[body].point(point_m);
-        let ranges = mechanism.coordinate_ranges();
-        let mut columns = Vec::new();
-        for (joint, (link, range)) in self.links().iter().zip(ranges).enumerate() {
-            let Pose { rotation, position_m } = poses[joint];
-            let (turns, slides) = link.joint.axes(&q[range]);
-            let moves = mechanism.supports(joint, body);
-            let column = |linear: DVec3, angular: DVec3| {
-                if moves { [linear, angular] } else { [DVec3::ZERO; 2] }
-            };
-            columns.extend(turns.into_iter().map(|axis| {
-                let axis = rotation * axis;
-                column(axis.cross(point_m - position_m), axis)
-            }));
-            columns.extend(slides.into_iter().map(|axis| column(rotation * axis, DVec3::ZERO)));
-        }
-        columns
     }
 }

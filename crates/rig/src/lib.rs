@@ -15,7 +15,7 @@
 //! - `import/`: reads URDF and MJCF as a description in metres and upright, with notes on changed and filled-in
 //!   values.
 //! - `mechanism/`: `kinematics` and `inverse_dynamics`, which computes as the core does, for one instant or for
-//!   four side by side.
+//!   many side by side.
 //! - `drive/`, `servo`, `limited`: convert joints to servos and back, and conserve power (`no_std`).
 //! - `servo_model`, `actuation/`: kinds of servo (`models/`, each value with its source), and the values that
 //!   joints get from them.

@@ -33,7 +33,8 @@ Commands:
   peers     Checks that four kernels of the core agree with those of Pinocchio and MuJoCo (from PyPI), and inverse
             dynamics with other crates; then compares their times
   python    Builds the wheel `sinew-motion`, and tests it in fresh environments of every Python from 3.10 to 3.13 that is
-            installed: tests, examples, types, the notebook, and torques beside Pinocchio's (from PyPI)
+            installed: tests, examples, types, the notebook, and torques beside Pinocchio's (from PyPI). With --bench:
+            instead of the tests, measures inverse dynamics beside pin, a loop of Pinocchio in C++, mujoco and dynibo
   deny      Checks lock files, licences, sources and versions of dependencies, and known vulnerabilities if their
             database can be reached, with cargo-deny and deny.toml
   semver REV
@@ -77,7 +78,9 @@ pub(crate) enum Task<'a> {
         accept: bool,
     },
     Peers,
-    Python,
+    Python {
+        bench: bool,
+    },
     Deny,
     Semver {
         revision: &'a str,
@@ -109,7 +112,8 @@ impl<'a> Task<'a> {
             ["retargeting"] => Self::Retargeting { accept: false },
             ["retargeting", "--accept"] => Self::Retargeting { accept: true },
             ["peers"] => Self::Peers,
-            ["python"] => Self::Python,
+            ["python"] => Self::Python { bench: false },
+            ["python", "--bench"] => Self::Python { bench: true },
             ["deny"] => Self::Deny,
             ["semver", revision] => Self::Semver { revision },
             ["audit"] => Self::Audit { self_test: false },

@@ -21,6 +21,9 @@ const TESTED_WITH: [&str; 2] = ["numpy", "pytest==9.2.0"];
 /// Additional packages for the newest version: for types, for the notebook, and another library for dynamics.
 const MORE: [&str; 6] =
     ["mypy==2.4.1", "pin==4.1.0", "matplotlib", "nbclient", "ipykernel", "pandas"];
+/// Other libraries for dynamics, and headers for the loop in C++.
+const BESIDE: [&str; 5] =
+    ["numpy", "pin==4.1.0", "cmeel-eigen==3.4.1", "mujoco==4.0.0", "dynibo==0.5.2"];
 /// Maximum size of the wheel, bytes.
 const WHEEL_MAX: u64 = 8_000_000;
 
@@ -42,6 +45,15 @@ pub(crate) fn run() -> Result<()> {
         eprintln!("\n== not tested, because they are not installed: Python {}", absent.join(", "));
     }
     Ok(())
+}
+
+/// Measures inverse dynamics beside other libraries.
+pub(crate) fn bench() -> Result<()> {
+    let wheel = build()?.display().to_string();
+    let venv = Venv::install("wheel-bench", &BESIDE, &BESIDE.join("\n"), |_| Ok(()))?;
+    venv.pip(&["install", "--force-reinstall", "--no-deps", &wheel])?;
+    let script = step::root().join(FOLDER).join("bench/dynamics.py");
+    step::run("inverse dynamics beside others", &mut venv.python(&script))
 }
 
 /// Checks the format of the package's Rust code, which `cargo fmt --all` does not reach.

@@ -249,7 +249,7 @@ class Rig:
     def inverse_dynamics(self, q: npt.ArrayLike, qd: npt.ArrayLike | None, qdd: npt.ArrayLike | None) -> Array:
         """Computes the efforts that cause accelerations, with gravity of 9.81 m/s² along -y and without friction.
 
-        Four rows are computed at a time; their results are identical to those of single rows.
+        Many rows in a call take a fraction of the time of a call for each row; the results are identical.
 
         Parameters
         ----------
@@ -274,6 +274,9 @@ class Rig:
         >>> bool(np.all(many == still))
         True
         """
+        of_row = self._native.inverse_dynamics_of_row(q, qd, qdd)
+        if of_row is not None:
+            return of_row
         array, single = rows("q", q)
         count = len(array)
         speeds, accelerations = (same_rows(name, of, count, self.nv) for name, of in (("qd", qd), ("qdd", qdd)))

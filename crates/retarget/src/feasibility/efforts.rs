@@ -93,7 +93,7 @@ impl Efforts {
     /// Computes the efforts without friction for several instants at once, which is faster.
     fn side_by_side(
         &mut self,
-        motions: [[&[f64]; 3]; LANES],
+        motions: &[[&[f64]; 3]; LANES],
         out: &mut [Vec<f64>; LANES],
     ) -> Result<(), CoordinatesError> {
         if !self.is_asked {
@@ -129,7 +129,8 @@ impl Efforts {
         instants: [&Instant; LANES],
         out: &mut [Vec<f64>; LANES],
     ) -> Result<(), CheckError> {
-        self.of_motions(times_s, instants.map(|Instant { q, qd, qdd }| [&q[..], qd, qdd]), out)?;
+        let motions = instants.map(|Instant { q, qd, qdd }| [&q[..], qd, qdd]);
+        self.of_motions(times_s, &motions, out)?;
         for (instant, efforts) in instants.into_iter().zip(out) {
             for (dof, (effort, speed)) in efforts.iter_mut().zip(&instant.qd).enumerate() {
                 *effort += self.dry_friction(dof, *speed) + self.viscous_friction(dof, *speed);
@@ -142,13 +143,13 @@ impl Efforts {
     fn of_motions(
         &mut self,
         times_s: [f64; LANES],
-        motions: [[&[f64]; 3]; LANES],
+        motions: &[[&[f64]; 3]; LANES],
         out: &mut [Vec<f64>; LANES],
     ) -> Result<(), CheckError> {
         if self.side_by_side(motions, out).is_err() {
             // Computing one instant after the other finds the invalid one.
             for ((time_s, motion), out) in times_s.into_iter().zip(motions).zip(out) {
-                self.without_friction(motion, out)
+                self.without_friction(*motion, out)
                     .map_err(|source| CheckError::Instant { time_s, source })?;
             }
         }
@@ -209,7 +210,7 @@ impl Block {
         efforts: &mut Efforts,
     ) -> Result<(), CheckError> {
         let motions = self.instants.each_ref().map(|Instant { q, qd, qdd }| [&q[..], qd, qdd]);
-        efforts.of_motions(self.times_s, motions, &mut self.efforts)
+        efforts.of_motions(self.times_s, &motions, &mut self.efforts)
     }
 
     /// Computes the efforts that hold the poses of the instants.
@@ -220,7 +221,7 @@ impl Block {
     ) -> Result<(), CheckError> {
         let still = self.still();
         let motions = self.instants.each_ref().map(|Instant { q, .. }| [&q[..], &still, &still]);
-        efforts.of_motions(self.times_s, motions, out)
+        efforts.of_motions(self.times_s, &motions, out)
     }
 
     /// Computes the efforts that hold the poses and accelerate from rest, with accelerations equal to the instants'
@@ -232,7 +233,7 @@ impl Block {
     ) -> Result<(), CheckError> {
         let still = self.still();
         let motions = self.instants.each_ref().map(|Instant { q, qd, .. }| [&q[..], &still, qd]);
-        efforts.of_motions(self.times_s, motions, out)
+        efforts.of_motions(self.times_s, &motions, out)
     }
 
     fn still(&self) -> Vec<f64> {

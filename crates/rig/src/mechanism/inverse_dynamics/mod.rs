@@ -1,17 +1,15 @@
 //! Efforts that a motion of a mechanism needs, by the core's inverse dynamics.
 
-mod lanes;
-mod side_by_side;
 #[cfg(test)]
 mod tests;
 
+use sinew_batch::Batch;
+pub use sinew_batch::LANES;
 use sinew_core::coordinates::CoordinatesError;
 use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
 use sinew_core::{GRAVITY_M_S2, JointTargets, Tree, TreeError, Wrench};
 
 use super::{BODY_COUNT_MAX, Mechanism};
-pub use lanes::LANES;
-use side_by_side::SideBySide;
 
 /// A calculator of efforts of a mechanism, with its buffers.
 #[derive(Debug)]
@@ -21,7 +19,7 @@ pub struct InverseDynamics {
     scratch: Vec<BodyMotion>,
     wrenches: Vec<Wrench>,
     efforts: Vec<f32>,
-    side_by_side: SideBySide,
+    batch: Batch,
 }
 
 impl InverseDynamics {
@@ -36,7 +34,7 @@ impl InverseDynamics {
             scratch: vec![BodyMotion::default(); tree.len()],
             wrenches: vec![Wrench::ZERO; tree.len()],
             efforts: vec![0.0; tree.dof_count()],
-            side_by_side: SideBySide::new(tree.bodies()),
+            batch: Batch::new(tree.bodies()),
             tree,
         })
     }
@@ -73,7 +71,7 @@ impl InverseDynamics {
         qd: &[[f32; LANES]],
         qdd: &[[f32; LANES]],
     ) -> Result<&[[f32; LANES]], CoordinatesError> {
-        if !self.side_by_side.takes(self.tree.bodies(), [q, qd, qdd]) {
+        if !self.batch.takes([q, qd, qdd]) {
             // Computing one instant after the other finds the error.
             for lane in 0..LANES {
                 let [q, qd, qdd] =
@@ -81,6 +79,6 @@ impl InverseDynamics {
                 self.efforts(&q, &qd, &qdd)?;
             }
         }
-        Ok(self.side_by_side.efforts(self.tree.bodies(), [q, qd, qdd]))
+        Ok(self.batch.efforts([q, qd, qdd]))
     }
 }

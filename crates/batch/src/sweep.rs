@@ -1,0 +1,127 @@
+//! The passes of the recursive Newton-Euler algorithm at all instants: see `sinew_core::dynamics::inverse_dynamics`.
+
+use glam::Vec3;
+use sinew_core::{Body, RotationalInertia};
+
+use crate::joint::{Motion, slides};
+use crate::lanes::{LANES, Vectors};
+
+/// Motion of a body in its axes, and the wrench about its origin, at all instants.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Moving {
+    angular_velocity: Vectors,
+    angular_acceleration: Vectors,
+    /// Acceleration of the body's origin, minus gravity.
+    linear_acceleration: Vectors,
+    pub(crate) moment: Vectors,
+    pub(crate) force: Vectors,
+}
+
+impl Moving {
+    /// Returns a body at rest that falls with this acceleration.
+    pub(crate) const fn falling(gravity_m_s2: Vec3) -> Self {
+        let up = Vec3::new(-gravity_m_s2.x, -gravity_m_s2.y, -gravity_m_s2.z);
+        Self {
+            angular_velocity: Vectors::ZERO,
+            angular_acceleration: Vectors::ZERO,
+            linear_acceleration: Vectors::all(up),
+            moment: Vectors::ZERO,
+            force: Vectors::ZERO,
+        }
+    }
+
+    /// Computes the motion of a body from that of its parent and its joint, and the wrench that this motion needs.
+    #[inline(always)]
+    pub(crate) fn follow(&mut self, parent: &Self, joint: &Motion, body: &Body) {
+        let slides = slides(body.joint);
+        for lane in 0..LANES {
+            let to_body = joint.rotation.at(lane).transpose();
+            let arm = joint.arm.at(lane);
+            let w = joint.velocity[0].at(lane);
+            let of_parent = parent.angular_velocity.at(lane);
+            let alpha = parent.angular_acceleration.at(lane);
+            let carried_velocity = to_body * of_parent;
+            let around = of_parent.cross(arm);
+            let carried_acceleration =
+                parent.linear_acceleration.at(lane) + alpha.cross(arm) + of_parent.cross(around);
+            let turning = joint.acceleration[0].at(lane);
+            let alpha = to_body * alpha + turning + carried_velocity.cross(w);
+            self.angular_velocity.set(lane, carried_velocity + w);
+            self.angular_acceleration.set(lane, alpha);
+            self.linear_acceleration.set(lane, to_body * carried_acceleration);
+        }
+        if slides {
+            for lane in 0..LANES {
+                let carried_velocity =
+                    joint.rotation.at(lane).transpose() * parent.angular_velocity.at(lane);
+                let [v, sliding] =
+                    [&joint.velocity[1], &joint.acceleration[1]].map(|part| part.at(lane));
+                let more = carried_velocity.cross(v + v) + sliding;
+                self.linear_acceleration.set(lane, self.linear_acceleration.at(lane) + more);
+            }
+        }
+        let inertia = &body.inertia;
+        let to_center = inertia.center_of_mass_m;
+        for lane in 0..LANES {
+            let w = self.angular_velocity.at(lane);
+            let alpha = self.angular_acceleration.at(lane);
+            let around = w.cross(to_center);
+            let of_origin = self.linear_acceleration.at(lane);
+            let of_center = plus_cross(plus_cross(of_origin, alpha, to_center), w, around);
+            let force = of_center * inertia.mass_kg;
+            let spin = times(&inertia.rotational_kg_m2, w);
+            let about_center = plus_cross(times(&inertia.rotational_kg_m2, alpha), w, spin);
+            self.force.set(lane, force);
+            self.moment.set(lane, plus_cross(about_center, to_center, force));
+        }
+    }
+
+    /// Adds the wrench that a child's joint transmits.
+    #[inline(always)]
+    pub(crate) fn carry(&mut self, child: &Self, joint: &Motion) {
+        for lane in 0..LANES {
+            let to_parent = joint.rotation.at(lane);
+            let force = to_parent * child.force.at(lane);
+            let moment = to_parent * child.moment.at(lane);
+            let moment = plus_cross(moment, joint.arm.at(lane), force);
+            self.moment.set(lane, self.moment.at(lane) + moment);
+            self.force.set(lane, self.force.at(lane) + force);
+        }
+    }
+
+    /// Adds the wrench that accelerates the rotor of the joint's drive.
+    #[inline(always)]
+    pub(crate) fn add_rotor(&mut self, joint: &Motion, body: &Body) {
+        for lane in 0..LANES {
+            let turning = joint.acceleration[0].at(lane) * body.rotor_inertia;
+            self.moment.set(lane, self.moment.at(lane) + turning);
+        }
+        if slides(body.joint) {
+            for lane in 0..LANES {
+                let sliding = joint.acceleration[1].at(lane) * body.rotor_inertia;
+                self.force.set(lane, self.force.at(lane) + sliding);
+            }
+        }
+    }
+}
+
+/// Returns `sum + a × b`, adding one product after the other.
+#[inline(always)]
+fn plus_cross(sum: Vec3, a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::new(
+        sum.x + a.y * b.z - a.z * b.y,
+        sum.y + a.z * b.x - a.x * b.z,
+        sum.z + a.x * b.y - a.y * b.x,
+    )
+}
+
+/// Multiplies a symmetric matrix by a vector.
+#[inline(always)]
+fn times(inertia: &RotationalInertia, v: Vec3) -> Vec3 {
+    let RotationalInertia { xx, xy, xz, yy, yz, zz } = *inertia;
+    Vec3::new(
+        xx * v.x + xy * v.y + xz * v.z,
+        xy * v.x + yy * v.y + yz * v.z,
+        xz * v.x + yz * v.y + zz * v.z,
+    )
+}
