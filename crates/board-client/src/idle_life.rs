@@ -34,11 +34,11 @@ enum Phase {
 impl IdleLife {
     /// Creates a loop at its beginning. `rows`: its poses, `rate_hz` of them per second; `blocks`: first coordinate and
     /// number of coordinates of each joint. Returns `None` without poses, with poses that do not fit the blocks, or if
-    /// the rate is not positive.
+    /// the rate is not positive and finite.
     pub fn new(rows: &[Vec<f32>], rate_hz: f64, blocks: &[(usize, usize)]) -> Option<Self> {
         let coordinates = blocks.iter().map(|(first, count)| first + count).max()?;
         let fits = !rows.is_empty() && rows.iter().all(|row| row.len() == coordinates);
-        (fits && rate_hz > 0.0).then(|| Self {
+        (fits && rate_hz > 0.0 && rate_hz.is_finite()).then(|| Self {
             rows: rows.concat(),
             rate_hz,
             blocks: blocks.to_vec(),
@@ -183,7 +183,9 @@ mod tests {
     fn poses_that_do_not_fit_are_refused() {
         assert!(IdleLife::new(&[], 100.0, &[(0, 1)]).is_none());
         assert!(IdleLife::new(&[vec![0.0, 0.0]], 100.0, &[(0, 1)]).is_none());
-        assert!(IdleLife::new(&[vec![0.0]], f64::NAN, &[(0, 1)]).is_none());
+        for rate_hz in [0.0, f64::NAN, f64::INFINITY] {
+            assert!(IdleLife::new(&[vec![0.0]], rate_hz, &[(0, 1)]).is_none());
+        }
         assert!(IdleLife::new(&[vec![0.0]], 100.0, &[]).is_none());
     }
 }

@@ -2,7 +2,8 @@
 //
 //   pinocchio MODEL ROWS OUT ROUNDS
 //
-// MODEL is a file of `saveToBinary` of Pinocchio's Python package. ROWS contains float64: all positions, then all speeds, then all accelerations, row after row. OUT gets the efforts.
+// MODEL is a file of `saveToBinary` of Pinocchio's Python package. ROWS contains float64: all positions, then all
+// speeds, then all accelerations, row after row. OUT gets the efforts.
 // Standard output gets the nanoseconds per row of the best round.
 #include <pinocchio/multibody.hpp>
 #include <pinocchio/algorithm/rnea.hpp>

@@ -10,8 +10,9 @@ Commands:
   test      Sets up, then runs the gate: the checks and tests that every change must pass. With --all: all checks and
             tests, before an issue is called resolved, but only a part of the runs in QEMU: `parity` and `node` run more
   soak      Runs the checks that take an hour: each property on 4,096 new random cases, a console with many
-            servos for an hour, idle life with shows between for an hour of simulated time, `limits`, `parity`, `node`, `emulate`, with a browser the sound of a show of 10 minutes,
-            and with SINEW_DATA and SINEW_REFERENCE `retargeting`
+            servos for an hour, idle life with shows between for an hour of simulated time, `limits`, `parity`, `node`,
+            `emulate`, with a browser the sound of a show of 10 minutes, and with SINEW_DATA and SINEW_REFERENCE
+            `retargeting`
   firmware  Builds the image of every board, runs those that QEMU can emulate, and compares their torques with the
             host's; with a board's name, builds only that board's image
   budget    Builds all images, measures instructions, stack, flash and RAM, compares them with the promises of

@@ -181,11 +181,10 @@ impl<L: Line> Hub<'_, L> {
 
     fn go_on_idle(&mut self, mut feeding: Feeding<()>) -> Result<(), Refused> {
         let now = self.now();
-        if now >= feeding.due {
-            feeding.due = now + EVERY;
-            if let Some(pose) = self.idle_pose() {
-                self.send_pose(pose, now)?;
-            }
+        if feeding.is_due(now)
+            && let Some(pose) = self.idle_pose()
+        {
+            self.send_pose(pose, now)?;
         }
         if self.follow(&mut feeding, Feed::Live)? {
             self.act.get_or_insert(Act::Idle(feeding));

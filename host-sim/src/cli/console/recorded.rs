@@ -33,6 +33,7 @@ impl ConsoleArgs {
             (self.unattended, "--unattended"),
             (self.allow_drive, "--allow-drive"),
             (self.record.is_some(), "--record"),
+            (self.idle.is_some(), "--idle"),
         ];
         let given = given.into_iter().chain(self.driven.given());
         if let Some((_, option)) = given.into_iter().find(|(is_given, _)| *is_given) {
