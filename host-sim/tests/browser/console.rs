@@ -183,7 +183,7 @@ fn a_scrub_moves_the_ghost_alone(page: &Page) {
     assert!((position(page, 1) - before).abs() < 0.5, "the rig does not follow");
     // It follows when it is asked.
     page.hold("#follow", 50);
-    wait_until(page, "document.getElementById('state').textContent === 'playing'");
+    wait_for_state(page, "moving");
     wait_for_state(page, "holding");
     page.hold("#no-ghost", 50);
     wait_until(page, "!document.getElementById('place').textContent.startsWith('ghost')");

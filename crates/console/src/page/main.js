@@ -10,7 +10,7 @@ import { safety } from "./safety.js";
 import { servos } from "./servos.js";
 import { show } from "./show.js";
 import { connect } from "./socket.js";
-import { colorOf, movesOf, nameOf, permissions } from "./state.js";
+import { colorOf, movesOf, nameOf, permissions, wordOf } from "./state.js";
 import { tabs } from "./tabs.js";
 import { view } from "./view.js";
 
@@ -162,8 +162,8 @@ const refresh = (swings = new Set()) => {
   parts.joints.take(frame);
   parts.charts.take(performance.now());
   shows.take(frame);
-  write(byId("state"), name);
-  write(byId("moves"), movesOf(name, frame));
+  write(byId("state"), wordOf(head, frame, name));
+  write(byId("moves"), movesOf(head, frame, name));
   byId("state-box").className = `state ${colorOf(name)}`;
   if (performance.now() - textsAt < FRAMES_BETWEEN_TEXTS_MS) return;
   textsAt = performance.now();

@@ -20,9 +20,13 @@ const UNKNOWN = ["quiet", ""];
 export const nameOf = (head, frame) => (head.states[frame.state] ?? "unknown").toLowerCase();
 export const colorOf = (name) => (STATES[name] ?? UNKNOWN)[0];
 
+// Returns the word for a state. The supervisor has one state for shows and other motions, and a recording does not tell
+// which of them it was.
+export const wordOf = (head, frame, name) => name === "playing" && head.commands && !frame.isShow ? "moving" : name;
+
 // Returns the text that says what may move.
-export const movesOf = (name, frame) => {
-  if (name !== "playing") return (STATES[name] ?? UNKNOWN)[1];
+export const movesOf = (head, frame, name) => {
+  if (name !== "playing" || !head.commands) return (STATES[name] ?? UNKNOWN)[1];
   if (frame.isShow) return "A show moves the rig.";
   return frame.isJog ? "The rig follows a slider." : "The rig follows a stream, or goes to a pose.";
 };

@@ -4,14 +4,17 @@ import { byId, effort, make, position, write } from "./dom.js";
 import { kinematicsOf, shade, stageOn } from "./renderer.js";
 
 const LEGEND = [["solid", "measured"], ["wanted", "commanded"], ["ghost", "ghost of the show"]];
-const LOADS = [[0, "no load"], [0.5, "half"], [1, "maximum"]];
+const LOADS = [0, 0.5, 1];
 
 const legend = (hasLoads) => {
   const items = LEGEND.map(([name, text]) => make("span", {}, make("i", { className: `key ${name}` }), text));
-  for (const [share, text] of hasLoads ? LOADS : []) {
-    const dot = make("i", { className: "key dot" });
-    dot.style.background = shade(share);
-    items.push(make("span", {}, dot, text));
+  if (hasLoads) {
+    const dots = LOADS.map((share) => {
+      const dot = make("i", { className: "key dot" });
+      dot.style.background = shade(share);
+      return dot;
+    });
+    items.push(make("span", {}, ...dots, "load"));
   }
   byId("legend").replaceChildren(...items);
 };
@@ -68,7 +71,8 @@ export const view = (head, choose) => {
     requestAnimationFrame(paint);
   };
   const home = rig.solve();
-  const stage = stageOn(rig, canvas, [...rig.pointsOf(home), ...reach(rig)], show);
+  const covered = () => ["legend", "picked"].map((id) => byId(id).offsetHeight);
+  const stage = stageOn(rig, canvas, [...rig.pointsOf(home), ...reach(rig)], show, covered);
   new ResizeObserver(stage.fit).observe(canvas);
   byId("front").onclick = () => { stage.front(); };
 

@@ -13,8 +13,9 @@ const shade = (share) => {
 const FRONT = [0.7, 0.25];
 
 // `rig`: from `kinematicsOf`. `points`: all that is to be in view. `show`: asks for a new drawing, with `draw`.
+// `covered`: pixels at the top and at the bottom of the canvas that texts cover; the camera centres between them.
 // `approach` brings the camera as near as all points are still in view.
-const stageOn = (rig, canvas, points, show) => {
+const stageOn = (rig, canvas, points, show, covered = () => [0, 0]) => {
   const { bodies, dofs, values, axisOf } = rig;
   const context = canvas.getContext("2d");
   // Colours of the page's style; they are read once in a drawing.
@@ -41,22 +42,25 @@ const stageOn = (rig, canvas, points, show) => {
   let marks = [];
   const ground = box[0][1];
 
-  let width = 0, height = 0, middle = home;
+  // `top` and `height`: of the part that no text covers.
+  let width = 0, top = 0, height = 0, middle = home;
   const ratio = () => window.devicePixelRatio || 1;
   const project = (p) => {
     const [sy, cy, sp, cp] = [Math.sin(camera.yaw), Math.cos(camera.yaw), Math.sin(camera.pitch), Math.cos(camera.pitch)];
     const [x, y, z] = sub(p, middle);
     const depth = camera.distance - (x * cp * sy + y * sp + z * cp * cy);
     const scale = 1.5 * Math.min(width, height * 1.3) / Math.max(depth, 0.02 * size);
-    return { x: width / 2 + scale * (x * cy - z * sy), y: height / 2 - scale * (-x * sp * sy + y * cp - z * sp * cy), depth, scale };
+    return { x: width / 2 + scale * (x * cy - z * sy), y: top + height / 2 - scale * (-x * sp * sy + y * cp - z * sp * cy), depth, scale };
   };
 
   const measure = () => {
-    [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.round(x * ratio()));
+    const [over, under] = covered();
+    const sizes = [canvas.clientWidth, over, Math.max(canvas.clientHeight - over - under, 0)];
+    [width, top, height] = sizes.map((x) => Math.round(x * ratio()));
   };
   const approach = () => {
     measure();
-    const isSeen = ({ x, y }) => Math.abs(x - width / 2) < 0.45 * width && Math.abs(y - height / 2) < 0.43 * height;
+    const isSeen = ({ x, y }) => Math.abs(x - width / 2) < 0.45 * width && Math.abs(y - top - height / 2) < 0.43 * height;
     for (camera.distance = size; camera.distance < 5 * size && !points.every((p) => isSeen(project(p)));) camera.distance *= 1.04;
   };
 
@@ -170,8 +174,9 @@ const stageOn = (rig, canvas, points, show) => {
     middle = add(home, way);
     measure();
     if (width === 0) return;
-    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-    context.clearRect(0, 0, width, height);
+    const whole = Math.round(canvas.clientHeight * ratio());
+    if (canvas.width !== width || canvas.height !== whole) Object.assign(canvas, { width, height: whole });
+    context.clearRect(0, 0, width, whole);
     context.lineCap = "round";
     grid();
     const thick = 0.018 * size;
