@@ -2,6 +2,8 @@
 
 #![expect(clippy::inline_always, reason = "see `sinew_batch::Work::run`")]
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
 use glam::DQuat;
 use sinew_batch::{Work, widest};
 
@@ -55,13 +57,13 @@ impl Work for Angles<'_> {
 fn arctangent(x: f64) -> f64 {
     let parts = [
         (x < 2.4375, x - 1.5, 1.0 + 1.5 * x, 0.982_793_723_247_329, 1.390_331_103_123_099_8e-17),
-        (x < 1.1875, x - 1.0, x + 1.0, 0.785_398_163_397_448_3, 3.061_616_997_868_383e-17),
+        (x < 1.1875, x - 1.0, x + 1.0, FRAC_PI_4, 3.061_616_997_868_383e-17),
         (x < 0.6875, 2.0 * x - 1.0, 2.0 + x, 0.463_647_609_000_806_1, 2.269_877_745_296_168_7e-17),
         (x < 0.4375, x, 1.0, 0.0, 0.0),
     ];
     // From 2.4375: the arctangent of the reciprocal, subtracted from π/2, which is the sum of these numbers.
     let (mut above, mut below) = (-1.0, x);
-    let (mut high, mut low) = (1.570_796_326_794_896_6, 6.123_233_995_736_766e-17);
+    let (mut high, mut low) = (FRAC_PI_2, 6.123_233_995_736_766e-17);
     for (is_part, of_above, of_below, of_high, of_low) in parts {
         above = if is_part { of_above } else { above };
         below = if is_part { of_below } else { below };

@@ -68,32 +68,32 @@ impl Articulated {
         }
     }
 
-    /// Adds a released child: its force at the end of the arm, and the reaction of its torque.
+    /// Adds the share of a child.
     #[inline(always)]
-    pub(super) fn carry(&mut self, child: &World, released: &Released, torque: DVec3) {
-        let Released { mass, force_bias, .. } = *released;
-        let force = mass * child.linear_bias_m_s2 + force_bias;
-        let coupling = skew_times(child.arm_m, mass);
-        self.mass += mass;
-        self.coupling += coupling;
-        self.rotational += times_skew_transposed(coupling, child.arm_m);
-        self.force_bias += force;
-        self.torque_bias += torque + child.arm_m.cross(force);
+    pub(super) fn add(&mut self, share: &Self) {
+        self.mass += share.mass;
+        self.coupling += share.coupling;
+        self.rotational += share.rotational;
+        self.force_bias += share.force_bias;
+        self.torque_bias += share.torque_bias;
     }
 
-    /// Adds a child whose joint has bearings: the child transmits the loads on the bearings, too.
+    /// Returns what a child whose joint has bearings adds to its parent's equations: the child transmits the loads on
+    /// the bearings, too. `self` are the equations that remain when the joint's dofs are released.
     #[inline(always)]
-    pub(super) fn carry_all(&mut self, child: &World, passed: &Self) {
-        let turned = times_skew_transposed(passed.coupling, child.arm_m);
-        let coupling = skew_times(child.arm_m, passed.mass);
-        self.mass += passed.mass;
-        self.coupling += passed.coupling + coupling;
-        self.rotational += passed.rotational
-            + turned
-            + turned.transpose()
-            + times_skew_transposed(coupling, child.arm_m);
-        self.force_bias += passed.force_bias;
-        self.torque_bias += passed.torque_bias + child.arm_m.cross(passed.force_bias);
+    pub(super) fn share_of_all(&self, child: &World) -> Self {
+        let turned = times_skew_transposed(self.coupling, child.arm_m);
+        let coupling = skew_times(child.arm_m, self.mass);
+        Self {
+            mass: self.mass,
+            coupling: self.coupling + coupling,
+            rotational: self.rotational
+                + turned
+                + turned.transpose()
+                + times_skew_transposed(coupling, child.arm_m),
+            force_bias: self.force_bias,
+            torque_bias: self.torque_bias + child.arm_m.cross(self.force_bias),
+        }
     }
 
     /// Returns the torque and force needed for an acceleration.
@@ -123,6 +123,22 @@ impl Articulated {
 }
 
 impl Released {
+    /// Returns what the child adds to its parent's equations: its force at the end of the arm, and the reaction of its
+    /// torque.
+    #[inline(always)]
+    pub(super) fn share(&self, child: &World, torque: DVec3) -> Articulated {
+        let Self { mass, force_bias, .. } = *self;
+        let force = mass * child.linear_bias_m_s2 + force_bias;
+        let coupling = skew_times(child.arm_m, mass);
+        Articulated {
+            mass,
+            coupling,
+            rotational: times_skew_transposed(coupling, child.arm_m),
+            force_bias: force,
+            torque_bias: torque + child.arm_m.cross(force),
+        }
+    }
+
     /// Returns the angular acceleration of the body for the linear acceleration of its joint.
     #[inline(always)]
     pub(super) fn follow(&self, linear: DVec3) -> DVec3 {
@@ -157,6 +173,16 @@ impl<const L: usize> ArticulatedLanes<L> {
             mass: self.mass.at(lane),
             torque_bias: self.torque_bias.at(lane),
             force_bias: self.force_bias.at(lane),
+        }
+    }
+
+    /// Adds the shares of a child.
+    #[inline(always)]
+    pub(super) fn add(&mut self, shares: &Self) {
+        for lane in 0..L {
+            let mut sum = self.at(lane);
+            sum.add(&shares.at(lane));
+            self.set(lane, &sum);
         }
     }
 

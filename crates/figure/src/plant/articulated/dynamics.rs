@@ -11,7 +11,7 @@
 
 use glam::DVec3;
 
-use super::articulated_body::Articulated;
+use super::articulated_body::{Articulated, ArticulatedLanes};
 use super::bounds::Mode;
 use super::joint::{DofResponse, Joint};
 use super::spatial::{MAX_DOFS, MotionAxis, World};
@@ -61,45 +61,44 @@ impl<const L: usize> Tree<L> {
             let (above, below) = self.links.split_at_mut(index);
             let link = &mut below[0];
             let Some(parent) = link.parent else { continue };
-            let parent = &mut above[parent].articulated;
+            // Results are in variables of this function: the compiler then knows that they overlap nothing.
+            let mut shares = ArticulatedLanes::ZERO;
             if link.joints.is_some() {
                 for lane in 0..L {
                     let passed = link.release_dofs(lane, h);
-                    let mut carrying = parent.at(lane);
-                    carrying.carry_all(&link.world.at(lane), &passed);
-                    parent.set(lane, &carrying);
+                    shares.set(lane, &passed.share_of_all(&link.world.at(lane)));
                 }
-                continue;
+            } else {
+                for lane in 0..L {
+                    let world = link.world.at(lane);
+                    let torque = world.axes * link.torque_nm.at(lane);
+                    let released = link.articulated.at(lane).release(torque);
+                    link.released.set(lane, &released);
+                    shares.set(lane, &released.share(&world, torque));
+                }
             }
-            for lane in 0..L {
-                let world = link.world.at(lane);
-                let torque = world.axes * link.torque_nm.at(lane);
-                let released = link.articulated.at(lane).release(torque);
-                link.released.set(lane, &released);
-                let mut carrying = parent.at(lane);
-                carrying.carry(&world, &released, torque);
-                parent.set(lane, &carrying);
-            }
+            above[parent].articulated.add(&shares);
         }
         self.accelerate_root(h);
         for index in 1..self.links.len() {
             let (above, below) = self.links.split_at_mut(index);
             let link = &mut below[0];
             let Some(parent) = link.parent else { continue };
-            let parent = &above[parent].acceleration;
+            // A copy, which overlaps nothing.
+            let parent = above[parent].acceleration;
+            if link.joints.is_some() {
+                for lane in 0..L {
+                    let MotionAxis { angular, linear } = parent.at(lane);
+                    let linear = linear + angular.cross(link.world.arm_m.at(lane));
+                    link.follow_dofs(lane, MotionAxis { angular, linear });
+                }
+                continue;
+            }
             for lane in 0..L {
                 let World { axes, arm_m, angular_bias_rad_s2, linear_bias_m_s2, .. } =
                     link.world.at(lane);
                 let parent = parent.at(lane);
-                let at_joint = parent.linear + parent.angular.cross(arm_m);
-                if link.joints.is_some() {
-                    link.follow_dofs(
-                        lane,
-                        MotionAxis { angular: parent.angular, linear: at_joint },
-                    );
-                    continue;
-                }
-                let linear = at_joint + linear_bias_m_s2;
+                let linear = parent.linear + parent.angular.cross(arm_m) + linear_bias_m_s2;
                 let angular = link.released.follow(lane, linear);
                 link.acceleration.set(lane, MotionAxis { angular, linear });
                 let relative = angular - parent.angular - angular_bias_rad_s2;
@@ -112,13 +111,15 @@ impl<const L: usize> Tree<L> {
     #[inline(always)]
     fn accelerate_root(&mut self, h: f64) {
         let root = &mut self.links[0];
-        for lane in 0..L {
-            let axes = root.world.axes.at(lane);
-            let up = -self.gravity_m_s2;
-            if root.joints.is_some() {
+        let up = -self.gravity_m_s2;
+        if root.joints.is_some() {
+            for lane in 0..L {
                 _ = root.release_dofs(lane, h);
                 root.follow_dofs(lane, MotionAxis { angular: DVec3::ZERO, linear: up });
-            } else {
+            }
+        } else {
+            for lane in 0..L {
+                let axes = root.world.axes.at(lane);
                 let torque = axes * root.torque_nm.at(lane);
                 let (angular, linear) = match self.root {
                     RootMount::Fixed => (DVec3::ZERO, up),
@@ -135,6 +136,8 @@ impl<const L: usize> Tree<L> {
                 root.acceleration.set(lane, MotionAxis { angular, linear });
                 root.spin_rate_rad_s2.set(lane, axes.transpose() * angular);
             }
+        }
+        for lane in 0..L {
             let linear = root.acceleration.at(lane).linear;
             self.root_acceleration_m_s2.set(lane, linear + self.gravity_m_s2);
         }

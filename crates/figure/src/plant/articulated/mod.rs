@@ -120,9 +120,10 @@ impl ArticulatedPlant {
     }
 }
 
-impl<const L: usize> ArticulatedPlant<L> {
+// Not generic: this crate's optimization applies, not that of the crate that calls these functions.
+impl ArticulatedPlant<LANES> {
     /// Joins mechanisms, each in its state. Returns `None` if their joints, their time steps or their gravity differ.
-    pub fn join(plants: [&ArticulatedPlant; L]) -> Option<Self> {
+    pub fn join(plants: [&ArticulatedPlant; LANES]) -> Option<Self> {
         let ArticulatedPlant { dt_s, substeps, .. } = *plants[0];
         let alike = |plant: &&ArticulatedPlant| {
             plant.dt_s.to_bits() == dt_s.to_bits() && plant.substeps == substeps
@@ -131,20 +132,22 @@ impl<const L: usize> ArticulatedPlant<L> {
         plants.iter().all(alike).then(|| Self::of_tree(tree, dt_s, substeps))
     }
 
-    fn of_tree(tree: Tree<L>, dt_s: f64, substeps: usize) -> Self {
-        let mut poses = from_fn(|_| Vec::with_capacity(tree.links.len()));
-        tree.poses(&mut poses);
-        Self { tree, dt_s, substeps, poses }
-    }
-
     /// Advances all mechanisms by one step with constant drives.
-    pub fn step_all(&mut self, drives: [&Drive; L]) {
+    pub fn step_all(&mut self, drives: [&Drive; LANES]) {
         widest(Step { plant: self, drives });
     }
 
     /// Returns the poses of all bodies of a mechanism, by body.
     pub fn poses_of(&self, lane: usize) -> &[Pose] {
         &self.poses[lane]
+    }
+}
+
+impl<const L: usize> ArticulatedPlant<L> {
+    fn of_tree(tree: Tree<L>, dt_s: f64, substeps: usize) -> Self {
+        let mut poses = from_fn(|_| Vec::with_capacity(tree.links.len()));
+        tree.poses(&mut poses);
+        Self { tree, dt_s, substeps, poses }
     }
 }
 

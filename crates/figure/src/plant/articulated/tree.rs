@@ -310,17 +310,22 @@ impl<const L: usize> Tree<L> {
                     let world = World { rotation, axes, angular_rad_s, ..World::default() };
                     link.world.set(lane, &world);
                 }
-                let still = World { axes: DMat3::IDENTITY, ..World::default() };
-                for lane in 0..L {
-                    link.update_motion_axes(lane, &still);
+                if link.joints.is_some() {
+                    let still = World { axes: DMat3::IDENTITY, ..World::default() };
+                    for lane in 0..L {
+                        link.update_motion_axes(lane, &still);
+                    }
                 }
                 continue;
             };
             let parent = &above[parent].world;
+            // A variable of this function: the compiler then knows that it overlaps nothing.
+            let mut worlds = Worlds::<L>::STILL;
             for lane in 0..L {
                 let world = in_world(&parent.at(lane), &link.in_parent.at(lane));
-                link.world.set(lane, &world);
+                worlds.set(lane, &world);
             }
+            link.world = worlds;
             if link.joints.is_some() {
                 for lane in 0..L {
                     let parent = parent.at(lane);
