@@ -29,15 +29,15 @@ impl Drives {
         }
     }
 
-    /// Accepts the desired wrenches of a frame, in body axes. Returns the wrenches that act now on the bodies at these
-    /// poses, and the number of joints that did not receive their desired wrench.
+    /// Accepts the desired wrenches of a frame, in body axes, and computes those that act now on the bodies at these
+    /// poses. Returns the number of joints that did not receive their desired wrench.
     pub(super) fn act(
         &mut self,
         performance: &Performance<'_>,
         frame: usize,
         torques: &[Limited<Wrench>],
         poses: &[Pose],
-    ) -> (&Drive, usize) {
+    ) -> usize {
         let mut limited = torques.iter().filter(|torque| torque.reason.is_some()).count();
         self.wanted.clear();
         self.wanted.extend(torques.iter().map(|torque| torque.value));
@@ -46,7 +46,12 @@ impl Drives {
         }
         let arriving = self.delay.pass(self.wanted.iter().copied());
         set_drive(&mut self.drive, arriving, poses);
-        (&self.drive, limited)
+        limited
+    }
+
+    /// Returns the wrenches that act now.
+    pub(super) fn drive(&self) -> &Drive {
+        &self.drive
     }
 }
 

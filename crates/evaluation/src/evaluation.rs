@@ -1,6 +1,5 @@
 //! The evaluation: its protocol, its runs, and its results.
 
-use rayon::prelude::*;
 use serde::Serialize;
 use sinew_core::tracker::MethodName;
 use sinew_figure::Dimensions;
@@ -11,8 +10,9 @@ use super::error::EvaluateError;
 use super::likeness::Likeness;
 use super::metrics::Errors;
 use super::motion::{EvaluatedMotion, count_steps};
-use super::run::Run;
 use super::setup::Setup;
+use super::step::Step;
+use super::together::{Job, track_all};
 
 /// The protocol of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -154,41 +154,28 @@ pub fn evaluate<T: EvaluatedMotion>(
             protocol.setup_of(*scale, *method).check()?;
         }
     }
-    let mut runs = Vec::new();
+    let mut setups = Vec::new();
     for scale in &protocol.scales {
         for method in &protocol.methods {
-            for (stream, motion) in (0..).zip(motions) {
-                runs.push((*scale, *method, motion, stream));
-            }
+            setups.push(protocol.setup_of(*scale, *method));
         }
     }
-    // Each run keeps its own sums, which are added in the order of the clips: identical bits every time.
-    let results: Vec<Result<RunResult, EvaluateError>> = runs
-        .par_iter()
-        .map(|(scale, method, motion, stream)| {
-            let setup = protocol.setup_of(*scale, *method);
-            let mut result = RunResult::default();
-            let run = Run::new(*motion, &setup, protocol.seconds, *stream);
-            let steps = run.and_then(|run| {
-                run.track(|step| {
-                    result.errors.add_step(&step);
-                    result.detail.add(&step.errors[step.rig.first_judged()..]);
-                    let Likeness { retargeting, total } = &mut result.likeness;
-                    for (poses, angles) in [(step.desired, retargeting), (step.measured, total)] {
-                        motion.limb_errors_deg(step.frame, poses, &mut |angle| angles.add(angle));
-                    }
-                })
-            });
-            let steps = steps.map_err(|kind| EvaluateError::Run {
-                clip: motion.name().to_owned(),
-                scale: *scale,
-                method: *method,
-                kind,
-            })?;
-            progress(steps);
-            Ok(result)
+    let jobs: Vec<Job<'_>> = setups
+        .iter()
+        .flat_map(|setup| {
+            (0..).zip(motions).map(move |(stream, motion)| Job { motion, stream, setup })
         })
         .collect();
+    let add = |job: &Job<'_>, result: &mut RunResult, step: Step<'_>| {
+        result.errors.add_step(&step);
+        result.detail.add(&step.errors[step.rig.first_judged()..]);
+        let Likeness { retargeting, total } = &mut result.likeness;
+        for (poses, angles) in [(step.desired, retargeting), (step.measured, total)] {
+            job.motion.limb_errors_deg(step.frame, poses, &mut |angle| angles.add(angle));
+        }
+    };
+    // Each run keeps its own sums, which are added in the order of the clips: identical bits every time.
+    let mut results = track_all(&jobs, protocol.seconds, add, progress).into_iter();
 
     let clips = motions
         .iter()
@@ -197,12 +184,19 @@ pub fn evaluate<T: EvaluatedMotion>(
             frames: count_steps(motion, protocol.seconds),
         })
         .collect();
-    let mut results = results.into_iter();
     let mut figures = Vec::with_capacity(protocol.scales.len());
     for scale in &protocol.scales {
         let mut methods = Vec::with_capacity(protocol.methods.len());
         for method in &protocol.methods {
-            let runs = results.by_ref().take(motions.len()).collect::<Result<Vec<_>, _>>()?;
+            let runs = results.by_ref().zip(motions).map(|(result, motion)| {
+                result.map_err(|kind| EvaluateError::Run {
+                    clip: motion.name().to_owned(),
+                    scale: *scale,
+                    method: *method,
+                    kind,
+                })
+            });
+            let runs = runs.collect::<Result<Vec<_>, _>>()?;
             let mut result = MethodResult {
                 method: *method,
                 total: Errors::default(),

@@ -10,7 +10,7 @@ use sinew_rig::mechanism::{Link, Mechanism};
 use super::capacity::CAPACITY;
 use super::controller::narrow;
 use super::error::RunError;
-use super::pose_error::angle_between_rad;
+use super::pose_error::angles_between_rad;
 
 /// Density of a living body, in kg/m³. It cancels, except in the ratio of the thickness of limbs to their lengths.
 const DENSITY_KG_M3: f64 = 1000.0;
@@ -95,19 +95,15 @@ impl ImportanceWeights {
 
     /// Returns the importance-weighted error of a pose in metres, from world poses.
     pub fn error_m(&self, desired: &[Pose], measured: &[Pose]) -> f64 {
-        let turned: f64 = self
-            .lever_m
-            .iter()
-            .zip(&self.parents)
-            .enumerate()
-            .map(|(body, (lever_m, parent))| {
-                let of = |poses: &[Pose]| {
-                    let parent = parent.map_or(DQuat::IDENTITY, |p| poses[p].rotation);
-                    parent.conjugate() * poses[body].rotation
-                };
-                lever_m * angle_between_rad(of(desired), of(measured))
+        let joints = self.parents.iter().enumerate().map(|(body, parent)| {
+            [desired, measured].map(|poses| {
+                let parent = parent.map_or(DQuat::IDENTITY, |p| poses[p].rotation);
+                parent.conjugate() * poses[body].rotation
             })
-            .sum();
+        });
+        let angles_rad = angles_between_rad(joints);
+        let turned: f64 =
+            self.lever_m.iter().zip(&angles_rad).map(|(lever, angle)| lever * angle).sum();
         turned + desired[0].position_m.distance(measured[0].position_m)
     }
 }

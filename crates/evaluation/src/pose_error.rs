@@ -1,6 +1,7 @@
 //! The error of a body's pose.
 
 use glam::DQuat;
+use sinew_figure::angles_rad;
 use sinew_figure::plant::Pose;
 
 /// The error of a body's pose relative to its desired pose, in the world.
@@ -16,16 +17,20 @@ impl PoseError {
     /// Compares the poses of all bodies, in the world.
     #[inline]
     pub fn between(desired: &[Pose], measured: &[Pose]) -> impl Iterator<Item = Self> {
-        desired.iter().zip(measured).map(|(desired, measured)| Self {
-            angular_rad: angle_between_rad(desired.rotation, measured.rotation),
+        let both = desired.iter().zip(measured);
+        let turns = both.clone().map(|(desired, measured)| [desired.rotation, measured.rotation]);
+        both.zip(angles_between_rad(turns)).map(|((desired, measured), angular_rad)| Self {
+            angular_rad,
             linear_m: (desired.position_m - measured.position_m).length(),
         })
     }
 }
 
-/// Returns the angle in [0, π] of the rotation from one orientation to the other.
+/// Returns the angles in [0, π] of the rotations from the first to the second orientation of each pair.
 #[inline]
-pub(super) fn angle_between_rad(a: DQuat, b: DQuat) -> f64 {
-    let turn = a * b.conjugate();
-    2.0 * libm::atan2(turn.xyz().length(), turn.w.abs())
+pub(super) fn angles_between_rad(pairs: impl Iterator<Item = [DQuat; 2]>) -> Vec<f64> {
+    let turns: Vec<DQuat> = pairs.map(|[a, b]| a * b.conjugate()).collect();
+    let mut angles = Vec::new();
+    angles_rad(&turns, &mut angles);
+    angles
 }

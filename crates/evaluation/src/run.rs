@@ -1,7 +1,8 @@
 //! A run: one motion, tracked by one rig with one setup.
 
+use sinew_core::Transform;
 use sinew_core::control::LimitReason;
-use sinew_figure::plant::{Plant, Pose};
+use sinew_figure::plant::{Drive, Plant, Pose};
 use sinew_rig::mechanism::{JointModel, Link};
 
 use super::drives::Drives;
@@ -24,18 +25,30 @@ const LOST_LEAST_M: f64 = 0.1;
 ///
 /// The rig starts in the motion's pose and with its velocity, with the rig's own dimensions.
 pub struct Run<'a> {
+    pub(super) performer: Performer<'a>,
+    pub(super) plant: Box<dyn Plant>,
+}
+
+/// All of a run except its plant.
+pub(super) struct Performer<'a> {
     motion: &'a dyn EvaluatedMotion,
     setup: &'a Setup,
     steps: usize,
     rig: Rig,
     tracker: Box<RigTracker>,
-    plant: Box<dyn Plant>,
     sensors: Sensors,
     drives: Drives,
-    /// Poses of the bodies one step before the start, in the world.
-    before_start: Vec<Pose>,
+    frames: Frames<'a>,
     /// Distance of a body from its goal above which the rig counts as lost.
     lost_m: f64,
+    /// Frame at which the present step begins.
+    frame: usize,
+    /// Sensor readings in the previous tick and in this tick.
+    readings: [Vec<Transform>; 2],
+    /// Number of joints that did not receive their desired torque in this tick.
+    limited: usize,
+    desired: Vec<Pose>,
+    errors: Vec<PoseError>,
 }
 
 impl<'a> Run<'a> {
@@ -55,22 +68,35 @@ impl<'a> Run<'a> {
             return Err(RunError::TooShort { frames: count_frames(motion, seconds) });
         }
         let rig = motion.rig(setup)?;
-        let tracker = setup.make_tracker(&rig, motion.dt_s())?;
+        let mut tracker = setup.make_tracker(&rig, motion.dt_s())?;
         let performance = Performance { motion, setup, links: rig.links() };
         let start = performance.start();
         let built = setup.disturbance.build(rig.mechanism());
-        Ok(Self {
+        let plant = setup.plant.build(&built, &start, motion.dt_s())?;
+        let mut sensors = Sensors::new(&setup.disturbance, stream);
+        let mut before = Vec::new();
+        rig.joint_poses(&one_step_before(&start, motion.dt_s()), &mut before);
+        sensors.read(rig.links(), &mut before);
+        let mut frames = Frames::new(motion, setup);
+        let refused = |source| RunError::State { frame: 0, source };
+        tracker.begin(&mut frames, 0, before.as_slice()).map_err(refused)?;
+        let performer = Performer {
             motion,
             setup,
             steps,
             tracker,
-            plant: setup.plant.build(&built, &start, motion.dt_s())?,
-            sensors: Sensors::new(&setup.disturbance, stream),
+            sensors,
             drives: Drives::new(rig.links(), &setup.disturbance),
-            before_start: one_step_before(&start, motion.dt_s()),
+            frames,
             lost_m: compute_lost_m(&performance),
             rig,
-        })
+            frame: 0,
+            readings: [before, Vec::new()],
+            limited: 0,
+            desired: Vec::new(),
+            errors: Vec::new(),
+        };
+        Ok(Self { performer, plant })
     }
 
     /// Tracks the motion and passes every step to `observe`. Returns the number of steps.
@@ -84,45 +110,13 @@ impl<'a> Run<'a> {
     /// # Errors
     /// [`RunError`], in particular if the rig diverges.
     pub fn track(self, mut observe: impl FnMut(Step<'_>)) -> Result<usize, RunError> {
-        let Self { motion, setup, steps, rig, lost_m, .. } = self;
-        let Self { mut tracker, mut plant, mut sensors, mut drives, before_start, .. } = self;
-        let performance = Performance { motion, setup, links: rig.links() };
-        let mut frames = Frames::new(motion, setup);
-        let (mut desired, mut errors) = (Vec::new(), Vec::new());
-        let (mut before, mut now) = (Vec::new(), Vec::new());
-        rig.joint_poses(&before_start, &mut before);
-        sensors.read(rig.links(), &mut before);
-        let refused = |frame| move |source| RunError::State { frame, source };
-        tracker.begin(&mut frames, 0, before.as_slice()).map_err(refused(0))?;
-        for frame in 0..steps {
-            rig.joint_poses(plant.poses(), &mut now);
-            sensors.read(rig.links(), &mut now);
-            let tick = i32::try_from(frame).map_err(|_| RunError::TooLong { frames: steps })?;
-            let tick = tracker.step(&mut frames, tick, now.as_slice()).map_err(refused(frame))?;
-            let torques = tick.torques();
-            if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
-                return Err(RunError::TorqueNotFinite { frame });
-            }
-            let (drive, limited) = drives.act(&performance, frame, torques, plant.poses());
-            plant.step(drive);
-
-            performance.desired(frame + 1, &mut desired);
-            errors.clear();
-            errors.extend(PoseError::between(&desired, plant.poses()));
-            check(frame + 1, &rig, &errors, plant.poses(), lost_m)?;
-            observe(Step {
-                frame: frame + 1,
-                desired: &desired,
-                measured: plant.poses(),
-                errors: &errors,
-                rig: &rig,
-                limited,
-                readings: [&before, &now],
-                tracker: &mut tracker,
-            });
-            std::mem::swap(&mut before, &mut now);
+        let Self { mut performer, mut plant } = self;
+        while !performer.is_done() {
+            performer.act(plant.poses())?;
+            plant.step(performer.drive());
+            observe(performer.compare(plant.poses())?);
         }
-        Ok(steps)
+        Ok(performer.steps)
     }
 
     /// Tracks the motion. Returns the errors of all steps, and the number of steps.
@@ -133,6 +127,65 @@ impl<'a> Run<'a> {
         let mut errors = Errors::default();
         let steps = self.track(|step| errors.add_step(&step))?;
         Ok((errors, steps))
+    }
+}
+
+impl Performer<'_> {
+    /// Returns whether the last step has ended.
+    pub(super) fn is_done(&self) -> bool {
+        self.frame == self.steps
+    }
+
+    /// Returns the number of steps of the run.
+    pub(super) fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// Computes the drives of the present step, from the poses of the plant at its beginning.
+    pub(super) fn act(&mut self, poses: &[Pose]) -> Result<(), RunError> {
+        if self.frame > 0 {
+            self.readings.swap(0, 1);
+        }
+        let Self { motion, setup, frame, steps, rig, .. } = self;
+        let [_, now] = &mut self.readings;
+        rig.joint_poses(poses, now);
+        self.sensors.read(rig.links(), now);
+        let tick = i32::try_from(*frame).map_err(|_| RunError::TooLong { frames: *steps })?;
+        let tick = self.tracker.step(&mut self.frames, tick, now.as_slice());
+        let tick = tick.map_err(|source| RunError::State { frame: *frame, source })?;
+        let torques = tick.torques();
+        if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
+            return Err(RunError::TorqueNotFinite { frame: *frame });
+        }
+        let performance = Performance { motion: *motion, setup, links: rig.links() };
+        self.limited = self.drives.act(&performance, *frame, torques, poses);
+        Ok(())
+    }
+
+    /// Returns the drives of the present step.
+    pub(super) fn drive(&self) -> &Drive {
+        self.drives.drive()
+    }
+
+    /// Ends the present step: compares the poses of the plant at its end with the motion.
+    pub(super) fn compare<'s>(&'s mut self, poses: &'s [Pose]) -> Result<Step<'s>, RunError> {
+        self.frame += 1;
+        let Self { motion, setup, frame, rig, desired, errors, .. } = self;
+        Performance { motion: *motion, setup, links: rig.links() }.desired(*frame, desired);
+        errors.clear();
+        errors.extend(PoseError::between(desired, poses));
+        check(*frame, rig, errors, poses, self.lost_m)?;
+        let [before, now] = &self.readings;
+        Ok(Step {
+            frame: *frame,
+            desired,
+            measured: poses,
+            errors,
+            rig,
+            limited: self.limited,
+            readings: [before, now],
+            tracker: &mut self.tracker,
+        })
     }
 }
 

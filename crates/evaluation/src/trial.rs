@@ -1,12 +1,11 @@
 //! A trial: all motions with one setup.
 
-use rayon::prelude::*;
-
 use super::error::RunError;
 use super::metrics::Errors;
 use super::motion::EvaluatedMotion;
-use super::run::Run;
 use super::setup::Setup;
+use super::step::Step;
+use super::together::{Job, track_all};
 
 /// Limit of the mean angular error of all bodies, in degrees. A figure counts as tracking if the error is below the
 /// limit and no run is lost. Above the limit, the figure flails.
@@ -30,19 +29,13 @@ pub struct Lost {
 /// # Errors
 /// [`Lost`] for the first clip, in their order, whose run failed.
 pub fn run_trial(motions: &[impl EvaluatedMotion], setup: &Setup, seconds: Option<f64>) -> Trial {
-    let runs: Vec<Trial> = motions
-        .par_iter()
-        .enumerate()
-        .map(|(stream, motion)| {
-            let errors = Run::new(motion, setup, seconds, stream as u64).and_then(Run::measure);
-            errors
-                .map(|(errors, _)| errors)
-                .map_err(|kind| Lost { clip: motion.name().to_owned(), kind })
-        })
-        .collect();
+    let jobs: Vec<Job<'_>> =
+        (0..).zip(motions).map(|(stream, motion)| Job { motion, stream, setup }).collect();
+    let add = |_: &Job<'_>, errors: &mut Errors, step: Step<'_>| errors.add_step(&step);
     let mut total = Errors::default();
-    for errors in runs {
-        total.merge(&errors?);
+    for (errors, motion) in track_all(&jobs, seconds, add, |_| ()).into_iter().zip(motions) {
+        let errors = errors.map_err(|kind| Lost { clip: motion.name().to_owned(), kind })?;
+        total.merge(&errors);
     }
     Ok(total)
 }

@@ -13,13 +13,16 @@ mod plan;
 mod summary;
 mod table;
 
+use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use rayon::prelude::*;
 
+use crate::metrics::Errors;
 use crate::motion::{EvaluatedMotion, count_steps};
-use crate::run::Run;
+use crate::step::Step;
+use crate::together::{Job, group_size, track_together};
 
 pub use error::SweepError;
 pub use file::{Cell, SweepFile};
@@ -49,20 +52,28 @@ pub fn sweep(
     motions: &[impl EvaluatedMotion],
     progress: impl Fn(usize) + Sync,
 ) -> Result<Summary, SweepError> {
-    let missing: Vec<Unit> = plan.units().filter(|unit| !journal.has(*unit)).collect();
+    let mut missing: Vec<Unit> = plan.units().filter(|unit| !journal.has(*unit)).collect();
     let resumed = plan.units().count() - missing.len();
     let folder = journal.folder().to_path_buf();
     let journal = Mutex::new(journal);
-    missing.par_iter().try_for_each(|unit| {
-        let motion = &motions[unit.clip];
-        let setup = &plan.cells[unit.cell].setup;
-        let run = Run::new(motion, setup, plan.seconds, unit.clip as u64);
-        let outcome = match run.and_then(Run::measure) {
-            Ok((errors, _)) => Outcome::Errors(errors),
-            Err(error) => Outcome::Lost(error.to_string()),
+    // Runs of equal length keep all lanes of a group busy.
+    missing.sort_by_key(|unit| Reverse(count_steps(&motions[unit.clip], plan.seconds)));
+    missing.par_chunks(group_size(missing.len())).try_for_each(|units| {
+        let job = |unit: &Unit| Job {
+            motion: &motions[unit.clip],
+            stream: unit.clip as u64,
+            setup: &plan.cells[unit.cell].setup,
         };
-        journal.lock().expect("no thread panics with it").add(*unit, outcome)?;
-        progress(count_steps(motion, plan.seconds));
+        let jobs: Vec<Job<'_>> = units.iter().map(job).collect();
+        let add = |_: &Job<'_>, errors: &mut Errors, step: Step<'_>| errors.add_step(&step);
+        for (unit, result) in units.iter().zip(track_together(&jobs, plan.seconds, add, |_| ())) {
+            let outcome = match result {
+                Ok(errors) => Outcome::Errors(errors),
+                Err(error) => Outcome::Lost(error.to_string()),
+            };
+            journal.lock().expect("no thread panics with it").add(*unit, outcome)?;
+            progress(count_steps(&motions[unit.clip], plan.seconds));
+        }
         Ok::<_, SweepError>(())
     })?;
     let mut journal = journal.into_inner().expect("no thread panics with it");

@@ -14,7 +14,7 @@ use std::fmt;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-pub use articulated::{Accelerations, ArticulatedPlant};
+pub use articulated::{Accelerations, ArticulatedPlant, LANES};
 pub use check::PlantError;
 pub use check::check_link;
 pub use mass_properties::MassProperties;
@@ -145,6 +145,11 @@ pub trait Plant {
 
     /// Returns the poses of all bodies, by body.
     fn poses(&self) -> &[Pose];
+
+    /// Returns the exact plant, which can take its steps together with others; `None` for another plant.
+    fn as_articulated(&self) -> Option<&ArticulatedPlant> {
+        None
+    }
 }
 
 /// The description of a plant, for reports.

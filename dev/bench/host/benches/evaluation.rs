@@ -1,8 +1,9 @@
 //! Measures the speed of evaluation: `cargo bench -p sinew-host-bench --bench evaluation`.
 //!
-//! It prints three tables: controlled steps per second on one core for every plant, and the share of the plant in that
-//! time; by how much a second thread speeds up the evaluation of all built-in clips; and time and memory of runs of 10³
-//! to 10⁶ frames. Machines are noisy: every number is the best of several rounds, and compared functions take turns.
+//! It prints three tables: controlled steps per second on one core for every plant, beside runs that are not tracked
+//! together, and the time of the plant alone; by how much a second thread speeds up the evaluation of all built-in
+//! clips; and time and memory of runs of 10³ to 10⁶ frames. Names of plants as arguments (`-- articulated`) select the
+//! plants. Machines are noisy: every number is the best of several rounds, and compared functions take turns.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -76,32 +77,61 @@ fn best<const K: usize>(
 
 fn plants(motions: &[FigureMotion]) {
     println!("One core, the paper's protocol on all built-in clips (3 methods, 2 sizes)\n");
-    println!("{:<20} {:>16} {:>12} {:>12}", "plant", "steps per second", "us per step", "in plant");
-    for kind in PlantKind::value_variants() {
-        let protocol = protocol(*kind);
+    println!(
+        "{:<20} {:>16} {:>12} {:>20} {:>16}",
+        "plant", "steps per second", "us per step", "each run alone, us", "plant alone, us"
+    );
+    for kind in kinds() {
+        let protocol = protocol(kind);
         let steps = count_all_steps(motions, &protocol);
         let name = protocol.setup.plant.description().name;
         if on_threads(1, || evaluate(motions, &protocol, |_| ())).is_err() {
             println!("{name:<20} {:>16}", "diverges");
             continue;
         }
-        let [all, plant] = best(
+        let times = best(
             ROUNDS,
             of_the_processor,
             [
                 Box::new(|| {
                     on_threads(1, || black_box(evaluate(motions, &protocol, |_| ()).is_ok()));
                 }),
+                Box::new(|| on_threads(1, || each_alone(motions, &protocol))),
                 Box::new(|| fall(protocol.setup.plant, steps)),
             ],
         );
-        let per_step = all.as_secs_f64() / steps as f64;
+        let [all, alone, plant] = times.map(|time| time.as_secs_f64() / steps as f64);
         println!(
-            "{name:<20} {:>16.0} {:>12.2} {:>10.0} %",
-            1.0 / per_step,
-            per_step * 1e6,
-            100.0 * plant.as_secs_f64() / all.as_secs_f64()
+            "{name:<20} {:>16.0} {:>12.2} {:>20.2} {:>16.2}",
+            1.0 / all,
+            all * 1e6,
+            alone * 1e6,
+            plant * 1e6
         );
+    }
+}
+
+/// Returns the plants whose names are arguments of the program; without arguments, all.
+fn kinds() -> Vec<PlantKind> {
+    let named: Vec<String> =
+        std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    let is_named = |kind: &PlantKind| {
+        let name = PlantSettings { kind: *kind, ..PlantSettings::default() }.description().name;
+        named.is_empty() || named.iter().any(|one| one == name)
+    };
+    PlantKind::value_variants().iter().copied().filter(is_named).collect()
+}
+
+/// Evaluates each motion, size and method alone, so that no runs are tracked together.
+fn each_alone(motions: &[FigureMotion], protocol: &Protocol) {
+    for motion in motions {
+        for scale in &protocol.scales {
+            for method in &protocol.methods {
+                let (scales, methods) = (vec![*scale], vec![*method]);
+                let one = Protocol { scales, methods, ..protocol.clone() };
+                black_box(evaluate(std::slice::from_ref(motion), &one, |_| ()).is_ok());
+            }
+        }
     }
 }
 
@@ -148,8 +178,8 @@ fn fall(settings: PlantSettings, steps: usize) {
 fn threads(motions: &[FigureMotion]) {
     println!("\nThe same on one and on two threads\n");
     println!("{:<20} {:>12} {:>12} {:>8}", "plant", "1 thread, s", "2 threads, s", "gain");
-    for kind in PlantKind::value_variants() {
-        let protocol = protocol(*kind);
+    for kind in kinds() {
+        let protocol = protocol(kind);
         if evaluate(motions, &protocol, |_| ()).is_err() {
             continue;
         }
@@ -190,8 +220,8 @@ fn lengths(motion: &FigureMotion) {
         "{:<20} {:>9} {:>10} {:>12} {:>14}",
         "plant", "frames", "s", "us per frame", "memory, bytes"
     );
-    for kind in PlantKind::value_variants() {
-        let setup = protocol(*kind).setup_of(1.0, MethodName::LinearCompensation);
+    for kind in kinds() {
+        let setup = protocol(kind).setup_of(1.0, MethodName::LinearCompensation);
         for frames in [1_000, 10_000, 100_000, 1_000_000] {
             let motion = repeated(motion, frames);
             let rounds = if frames > 100_000 { 1 } else { 3 };

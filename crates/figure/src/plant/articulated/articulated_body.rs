@@ -2,11 +2,12 @@
 
 use glam::{DMat3, DVec3};
 
+use super::lanes::{Matrices, Vectors};
 use super::spatial::{MotionAxis, World, skew, skew_times, times_skew_transposed};
 
 /// Equations of motion of a body with all its descendants, at its joint: `torque = A α + B a + torque_bias`,
 /// `force = Bᵀ α + M a + force_bias`, with the body's angular acceleration α and its joint's acceleration a.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Articulated {
     /// Matrix A of the equations.
     rotational: DMat3,
@@ -16,20 +17,24 @@ pub(super) struct Articulated {
     mass: DMat3,
     pub(super) torque_bias: DVec3,
     pub(super) force_bias: DVec3,
+}
+
+/// The response of a body whose joint turns under its torque: `α = free - dragged a`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Released {
     /// Angular acceleration α if a is zero.
     free: DVec3,
     /// Decrease of α per unit of a: `A⁻¹ B`.
     dragged: DMat3,
-    /// Angular acceleration α.
-    pub(super) angular: DVec3,
-    /// Acceleration a of the joint, minus gravity.
-    pub(super) linear: DVec3,
+    /// Mass of the remaining equation, `force = mass a + force_bias`.
+    pub(super) mass: DMat3,
+    pub(super) force_bias: DVec3,
 }
 
 impl Articulated {
     /// Creates the equations of a body alone: Newton's and Euler's equations about its joint. The mass is in kg,
     /// the first moment in kg m and the rotational inertia in kg m², in body axes.
-    #[inline]
+    #[inline(always)]
     pub(super) fn of_body(
         world: &World,
         mass_kg: f64,
@@ -45,57 +50,54 @@ impl Articulated {
             mass: DMat3::from_diagonal(DVec3::splat(mass_kg)),
             torque_bias: angular.cross(rotational * angular),
             force_bias: angular.cross(angular.cross(first_moment)),
-            ..Self::default()
         }
     }
 
-    /// Lets the joint turn under its torque. The remaining equation is `force = mass a + force_bias`; its mass and
-    /// force bias are returned.
-    #[inline]
-    pub(super) fn release(&mut self, torque: DVec3) -> (DMat3, DVec3) {
+    /// Lets the joint turn under its torque.
+    #[inline(always)]
+    pub(super) fn release(&self, torque: DVec3) -> Released {
         let inverse = self.rotational.inverse();
-        self.free = inverse * (torque - self.torque_bias);
-        self.dragged = inverse * self.coupling;
+        let free = inverse * (torque - self.torque_bias);
+        let dragged = inverse * self.coupling;
         let back = self.coupling.transpose();
-        (self.mass - back * self.dragged, self.force_bias + back * self.free)
+        Released {
+            free,
+            dragged,
+            mass: self.mass - back * dragged,
+            force_bias: self.force_bias + back * free,
+        }
     }
 
-    /// Adds a released child: its force at the end of the arm, and the reaction of its torque.
-    #[inline]
-    pub(super) fn carry(&mut self, child: &World, mass: DMat3, force_bias: DVec3, torque: DVec3) {
-        let force = mass * child.linear_bias_m_s2 + force_bias;
-        let coupling = skew_times(child.arm_m, mass);
-        self.mass += mass;
-        self.coupling += coupling;
-        self.rotational += times_skew_transposed(coupling, child.arm_m);
-        self.force_bias += force;
-        self.torque_bias += torque + child.arm_m.cross(force);
+    /// Adds the share of a child.
+    #[inline(always)]
+    pub(super) fn add(&mut self, share: &Self) {
+        self.mass += share.mass;
+        self.coupling += share.coupling;
+        self.rotational += share.rotational;
+        self.force_bias += share.force_bias;
+        self.torque_bias += share.torque_bias;
     }
 
-    /// Adds a child whose joint has bearings: the child transmits the loads on the bearings, too.
-    #[inline]
-    pub(super) fn carry_all(&mut self, child: &World, passed: &Self) {
-        let turned = times_skew_transposed(passed.coupling, child.arm_m);
-        let coupling = skew_times(child.arm_m, passed.mass);
-        self.mass += passed.mass;
-        self.coupling += passed.coupling + coupling;
-        self.rotational += passed.rotational
-            + turned
-            + turned.transpose()
-            + times_skew_transposed(coupling, child.arm_m);
-        self.force_bias += passed.force_bias;
-        self.torque_bias += passed.torque_bias + child.arm_m.cross(passed.force_bias);
-    }
-
-    /// Computes the angular acceleration of a released body from the linear acceleration of its joint.
-    #[inline]
-    pub(super) fn follow(&mut self, linear: DVec3) {
-        self.linear = linear;
-        self.angular = self.free - self.dragged * linear;
+    /// Returns what a child whose joint has bearings adds to its parent's equations: the child transmits the loads on
+    /// the bearings, too. `self` are the equations that remain when the joint's dofs are released.
+    #[inline(always)]
+    pub(super) fn share_of_all(&self, child: &World) -> Self {
+        let turned = times_skew_transposed(self.coupling, child.arm_m);
+        let coupling = skew_times(child.arm_m, self.mass);
+        Self {
+            mass: self.mass,
+            coupling: self.coupling + coupling,
+            rotational: self.rotational
+                + turned
+                + turned.transpose()
+                + times_skew_transposed(coupling, child.arm_m),
+            force_bias: self.force_bias,
+            torque_bias: self.torque_bias + child.arm_m.cross(self.force_bias),
+        }
     }
 
     /// Returns the torque and force needed for an acceleration.
-    #[inline]
+    #[inline(always)]
     pub(super) fn push(&self, by: MotionAxis) -> MotionAxis {
         MotionAxis {
             angular: self.rotational * by.angular + self.coupling * by.linear,
@@ -104,18 +106,115 @@ impl Articulated {
     }
 
     /// Returns the torque and force needed for an acceleration, including `torque_bias` and `force_bias`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn feel(&self, by: MotionAxis) -> MotionAxis {
         let MotionAxis { angular, linear } = self.push(by);
         MotionAxis { angular: angular + self.torque_bias, linear: linear + self.force_bias }
     }
 
     /// Subtracts the outer product of two columns.
-    #[inline]
+    #[inline(always)]
     pub(super) fn take(&mut self, a: MotionAxis, b: MotionAxis) {
         let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
         self.rotational -= outer(a.angular, b.angular);
         self.coupling -= outer(a.angular, b.linear);
         self.mass -= outer(a.linear, b.linear);
+    }
+}
+
+impl Released {
+    /// Returns what the child adds to its parent's equations: its force at the end of the arm, and the reaction of its
+    /// torque.
+    #[inline(always)]
+    pub(super) fn share(&self, child: &World, torque: DVec3) -> Articulated {
+        let Self { mass, force_bias, .. } = *self;
+        let force = mass * child.linear_bias_m_s2 + force_bias;
+        let coupling = skew_times(child.arm_m, mass);
+        Articulated {
+            mass,
+            coupling,
+            rotational: times_skew_transposed(coupling, child.arm_m),
+            force_bias: force,
+            torque_bias: torque + child.arm_m.cross(force),
+        }
+    }
+
+    /// Returns the angular acceleration of the body for the linear acceleration of its joint.
+    #[inline(always)]
+    pub(super) fn follow(&self, linear: DVec3) -> DVec3 {
+        self.free - self.dragged * linear
+    }
+}
+
+/// [`Articulated`] of a body in each mechanism.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ArticulatedLanes<const L: usize> {
+    rotational: Matrices<L>,
+    coupling: Matrices<L>,
+    mass: Matrices<L>,
+    torque_bias: Vectors<L>,
+    force_bias: Vectors<L>,
+}
+
+impl<const L: usize> ArticulatedLanes<L> {
+    pub(super) const ZERO: Self = Self {
+        rotational: Matrices::ZERO,
+        coupling: Matrices::ZERO,
+        mass: Matrices::ZERO,
+        torque_bias: Vectors::ZERO,
+        force_bias: Vectors::ZERO,
+    };
+
+    #[inline(always)]
+    pub(super) fn at(&self, lane: usize) -> Articulated {
+        Articulated {
+            rotational: self.rotational.at(lane),
+            coupling: self.coupling.at(lane),
+            mass: self.mass.at(lane),
+            torque_bias: self.torque_bias.at(lane),
+            force_bias: self.force_bias.at(lane),
+        }
+    }
+
+    /// Adds the shares of a child.
+    #[inline(always)]
+    pub(super) fn add(&mut self, shares: &Self) {
+        for lane in 0..L {
+            let mut sum = self.at(lane);
+            sum.add(&shares.at(lane));
+            self.set(lane, &sum);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, one: &Articulated) {
+        self.rotational.set(lane, one.rotational);
+        self.coupling.set(lane, one.coupling);
+        self.mass.set(lane, one.mass);
+        self.torque_bias.set(lane, one.torque_bias);
+        self.force_bias.set(lane, one.force_bias);
+    }
+}
+
+/// The response of a released body in each mechanism: see [`Released`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ReleasedLanes<const L: usize> {
+    free: Vectors<L>,
+    dragged: Matrices<L>,
+}
+
+impl<const L: usize> ReleasedLanes<L> {
+    pub(super) const ZERO: Self = Self { free: Vectors::ZERO, dragged: Matrices::ZERO };
+
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, one: &Released) {
+        self.free.set(lane, one.free);
+        self.dragged.set(lane, one.dragged);
+    }
+
+    /// Returns the angular acceleration of the body for the linear acceleration of its joint.
+    #[inline(always)]
+    pub(super) fn follow(&self, lane: usize, linear: DVec3) -> DVec3 {
+        self.free.at(lane) - self.dragged.at(lane) * linear
     }
 }

@@ -11,21 +11,28 @@
 
 use glam::DVec3;
 
-use super::articulated_body::Articulated;
+use super::articulated_body::{Articulated, ArticulatedLanes};
 use super::bounds::Mode;
 use super::joint::{DofResponse, Joint};
 use super::spatial::{MAX_DOFS, MotionAxis, World};
 use super::tree::{Link, RootMount, Tree};
 
-impl Tree {
+impl<const L: usize> Tree<L> {
     /// Computes the accelerations under the drives, with friction and range ends as they act over `h` seconds.
+    #[inline(always)]
     pub(super) fn accelerate(&mut self, h: f64) {
         self.pass(h);
-        if !self.links.iter().any(|link| link.joint.as_deref().is_some_and(Joint::is_bounded)) {
-            return;
+        if self.links.iter().any(|link| link.joints().iter().any(Joint::is_bounded)) {
+            self.settle(h);
         }
+    }
+
+    /// Repeats forward dynamics until all modes agree with the accelerations. A mechanism whose modes agree is not
+    /// changed by the repetitions for the others.
+    #[inline(never)]
+    fn settle(&mut self, h: f64) {
         let dofs: usize =
-            self.links.iter().filter_map(|link| Some(link.joint.as_ref()?.count)).sum();
+            self.links.iter().filter_map(|link| Some(link.joints().first()?.count)).sum();
         // In the first ten rounds all contradicting modes are changed at once, later only one in each round. The loop
         // ends long before the limit.
         for round in 0..10 + 4 * dofs {
@@ -37,105 +44,135 @@ impl Tree {
     }
 
     /// Runs forward dynamics with the present modes.
+    #[inline(always)]
     fn pass(&mut self, h: f64) {
         for link in &mut self.links {
-            link.articulated = Articulated::of_body(
-                &link.world,
-                link.mass_kg,
-                link.first_moment_kg_m,
-                link.rotational_kg_m2,
-            );
+            for lane in 0..L {
+                let alone = Articulated::of_body(
+                    &link.world.at(lane),
+                    link.mass_kg[lane],
+                    link.first_moment_kg_m.at(lane),
+                    link.rotational_kg_m2.at(lane),
+                );
+                link.articulated.set(lane, &alone);
+            }
         }
         for index in (1..self.links.len()).rev() {
             let (above, below) = self.links.split_at_mut(index);
             let link = &mut below[0];
-            let torque = link.world.axes * link.torque_nm;
-            if link.joint.is_some() {
-                let passed = link.release_dofs(torque, h);
-                if let Some(parent) = link.parent {
-                    above[parent].articulated.carry_all(&link.world, &passed);
+            let Some(parent) = link.parent else { continue };
+            // Results are in variables of this function: the compiler then knows that they overlap nothing.
+            let mut shares = ArticulatedLanes::ZERO;
+            if link.joints.is_some() {
+                for lane in 0..L {
+                    let passed = link.release_dofs(lane, h);
+                    shares.set(lane, &passed.share_of_all(&link.world.at(lane)));
                 }
-                continue;
+            } else {
+                for lane in 0..L {
+                    let world = link.world.at(lane);
+                    let torque = world.axes * link.torque_nm.at(lane);
+                    let released = link.articulated.at(lane).release(torque);
+                    link.released.set(lane, &released);
+                    shares.set(lane, &released.share(&world, torque));
+                }
             }
-            let (mass, force_bias) = link.articulated.release(torque);
-            if let Some(parent) = link.parent {
-                above[parent].articulated.carry(&link.world, mass, force_bias, torque);
-            }
+            above[parent].articulated.add(&shares);
         }
         self.accelerate_root(h);
         for index in 1..self.links.len() {
             let (above, below) = self.links.split_at_mut(index);
             let link = &mut below[0];
-            let World { axes, arm_m, angular_bias_rad_s2, linear_bias_m_s2, .. } = link.world;
-            if let Some(parent) = link.parent {
-                let parent = &above[parent].articulated;
-                if link.joint.is_some() {
-                    let at_joint = parent.linear + parent.angular.cross(arm_m);
-                    link.follow_dofs(parent.angular, at_joint);
-                    continue;
+            let Some(parent) = link.parent else { continue };
+            // A copy, which overlaps nothing.
+            let parent = above[parent].acceleration;
+            if link.joints.is_some() {
+                for lane in 0..L {
+                    let MotionAxis { angular, linear } = parent.at(lane);
+                    let linear = linear + angular.cross(link.world.arm_m.at(lane));
+                    link.follow_dofs(lane, MotionAxis { angular, linear });
                 }
+                continue;
+            }
+            for lane in 0..L {
+                let World { axes, arm_m, angular_bias_rad_s2, linear_bias_m_s2, .. } =
+                    link.world.at(lane);
+                let parent = parent.at(lane);
                 let linear = parent.linear + parent.angular.cross(arm_m) + linear_bias_m_s2;
-                link.articulated.follow(linear);
-                let relative = link.articulated.angular - parent.angular - angular_bias_rad_s2;
-                link.spin_rate_rad_s2 = axes.transpose() * relative;
+                let angular = link.released.follow(lane, linear);
+                link.acceleration.set(lane, MotionAxis { angular, linear });
+                let relative = angular - parent.angular - angular_bias_rad_s2;
+                link.spin_rate_rad_s2.set(lane, axes.transpose() * relative);
             }
         }
     }
 
     /// Computes the acceleration of the root. Gravity is modelled as an upward acceleration of the world.
+    #[inline(always)]
     fn accelerate_root(&mut self, h: f64) {
         let root = &mut self.links[0];
-        let axes = root.world.axes;
-        match self.root {
-            RootMount::Fixed => root.articulated.linear = -self.gravity_m_s2,
-            RootMount::Driven => {
-                let (mass, force_bias) = root.articulated.release(axes * root.torque_nm);
-                let linear = mass.inverse() * (axes * self.root_force_n - force_bias);
-                root.articulated.follow(linear);
+        let up = -self.gravity_m_s2;
+        if root.joints.is_some() {
+            for lane in 0..L {
+                _ = root.release_dofs(lane, h);
+                root.follow_dofs(lane, MotionAxis { angular: DVec3::ZERO, linear: up });
             }
-            RootMount::ByJoint => {
-                let torque = axes * root.torque_nm;
-                if root.joint.is_some() {
-                    _ = root.release_dofs(torque, h);
-                    root.follow_dofs(DVec3::ZERO, -self.gravity_m_s2);
-                } else {
-                    _ = root.articulated.release(torque);
-                    root.articulated.follow(-self.gravity_m_s2);
+        } else {
+            for lane in 0..L {
+                let axes = root.world.axes.at(lane);
+                let torque = axes * root.torque_nm.at(lane);
+                let (angular, linear) = match self.root {
+                    RootMount::Fixed => (DVec3::ZERO, up),
+                    RootMount::Driven => {
+                        let released = root.articulated.at(lane).release(torque);
+                        let force = axes * self.root_force_n.at(lane) - released.force_bias;
+                        let linear = released.mass.inverse() * force;
+                        (released.follow(linear), linear)
+                    }
+                    RootMount::ByJoint => {
+                        (root.articulated.at(lane).release(torque).follow(up), up)
+                    }
+                };
+                root.acceleration.set(lane, MotionAxis { angular, linear });
+                root.spin_rate_rad_s2.set(lane, axes.transpose() * angular);
+            }
+        }
+        for lane in 0..L {
+            let linear = root.acceleration.at(lane).linear;
+            self.root_acceleration_m_s2.set(lane, linear + self.gravity_m_s2);
+        }
+    }
+
+    /// Changes the modes that contradict the accelerations, in each mechanism all of them, or only the first. Returns
+    /// whether a mode was changed.
+    pub(super) fn agree(&mut self, h: f64, all: bool) -> bool {
+        let mut changed = [false; L];
+        for link in &mut self.links {
+            for (lane, changed) in changed.iter_mut().enumerate() {
+                if all || !*changed {
+                    *changed |= link.agree(lane, h, all);
                 }
             }
         }
-        if root.joint.is_none() {
-            root.spin_rate_rad_s2 = axes.transpose() * root.articulated.angular;
-        }
-        self.root_acceleration_m_s2 = root.articulated.linear + self.gravity_m_s2;
-    }
-
-    /// Changes the modes that contradict the accelerations: all of them, or only the first. Returns whether a mode
-    /// was changed.
-    pub(super) fn agree(&mut self, h: f64, all: bool) -> bool {
-        let mut changed = false;
-        for link in &mut self.links {
-            changed |= link.agree(h, all);
-            if changed && !all {
-                break;
-            }
-        }
-        changed
+        changed.contains(&true)
     }
 }
 
-impl Link {
+impl<const L: usize> Link<L> {
     /// Eliminates the free dofs of the joint. Returns the articulated inertia that the parent feels at the joint,
     /// in terms of the acceleration that the body would have there if it were rigidly attached to the parent.
-    fn release_dofs(&mut self, torque: DVec3, h: f64) -> Articulated {
-        let Some(joint) = self.joint.as_mut() else { return self.articulated };
-        let World { axes, angular_bias_rad_s2, linear_bias_m_s2, .. } = self.world;
+    fn release_dofs(&mut self, lane: usize, h: f64) -> Articulated {
+        let articulated = self.articulated.at(lane);
+        let in_parent = self.in_parent.at(lane).pose;
+        let World { axes, angular_bias_rad_s2, linear_bias_m_s2, .. } = self.world.at(lane);
+        let torque = axes * self.torque_nm.at(lane);
+        let Some(joint) = self.joint_mut(lane) else { return articulated };
         let force = axes * joint.force_n;
         let mut bias = MotionAxis { angular: angular_bias_rad_s2, linear: linear_bias_m_s2 };
         let mut free = [0; MAX_DOFS];
         let mut count = 0;
         for dof in 0..joint.count {
-            let bounds = joint.bounds(dof, &self.in_parent.pose, h);
+            let bounds = joint.bounds(dof, &in_parent, h);
             if let Some(speed) = bounds.held_speed(joint.modes[dof]) {
                 joint.rates[dof] = (speed - joint.speeds[dof]) / h;
                 bias = bias.plus(joint.motion_axes[dof], joint.rates[dof]);
@@ -145,26 +182,26 @@ impl Link {
             }
         }
         let free = &free[..count];
-        let felt = self.articulated.feel(bias);
+        let felt = articulated.feel(bias);
         let mut inertia = [[0.0; MAX_DOFS]; MAX_DOFS];
         let mut pushed = [MotionAxis::default(); MAX_DOFS];
         let mut efforts = [0.0; MAX_DOFS];
         for (row, dof) in free.iter().enumerate() {
             let at = joint.motion_axes[*dof];
-            pushed[row] = self.articulated.push(at);
+            pushed[row] = articulated.push(at);
             for (column, other) in free.iter().enumerate() {
                 inertia[row][column] = joint.motion_axes[*other].dot(pushed[row]);
             }
             // The viscous friction is computed at the end of the step, which is stable for any coefficient.
             inertia[row][row] += joint.rotor + h * joint.damping;
-            let bounds = joint.bounds(*dof, &self.in_parent.pose, h);
+            let bounds = joint.bounds(*dof, &in_parent, h);
             efforts[row] = at.dot(MotionAxis { angular: torque, linear: force })
                 - joint.damping * joint.speeds[*dof]
                 + bounds.braking(joint.modes[*dof])
                 - at.dot(felt);
         }
         invert(&mut inertia, count);
-        let mut passed = self.articulated;
+        let mut passed = articulated;
         (passed.torque_bias, passed.force_bias) = (felt.angular, felt.linear);
         let mut response = DofResponse::default();
         for (row, dof) in free.iter().enumerate() {
@@ -184,10 +221,9 @@ impl Link {
     }
 
     /// Computes the acceleration of a body with released dofs, from its parent's accelerations at the joint.
-    fn follow_dofs(&mut self, angular: DVec3, linear: DVec3) {
-        let Some(joint) = self.joint.as_mut() else { return };
-        let parent = MotionAxis { angular, linear };
-        let World { angular_bias_rad_s2, linear_bias_m_s2, .. } = self.world;
+    fn follow_dofs(&mut self, lane: usize, parent: MotionAxis) {
+        let World { axes, angular_bias_rad_s2, linear_bias_m_s2, .. } = self.world.at(lane);
+        let Some(joint) = self.joint_mut(lane) else { return };
         let mut own = MotionAxis::default();
         for dof in 0..joint.count {
             if matches!(joint.modes[dof], Mode::Slide(_)) {
@@ -196,33 +232,36 @@ impl Link {
             }
             own = own.plus(joint.motion_axes[dof], joint.rates[dof]);
         }
-        self.articulated.angular = angular + angular_bias_rad_s2 + own.angular;
-        self.articulated.linear = linear + linear_bias_m_s2 + own.linear;
-        let to_body = self.world.axes.transpose();
+        let to_body = axes.transpose();
         // The derivative of the components in body axes includes that of the axes.
-        self.spin_rate_rad_s2 = to_body * (own.angular + joint.bias_rad_s2());
-        self.slide_rate_m_s2 = to_body * own.linear;
+        let spin_rate_rad_s2 = to_body * (own.angular + joint.bias_rad_s2());
+        let acceleration = MotionAxis {
+            angular: parent.angular + angular_bias_rad_s2 + own.angular,
+            linear: parent.linear + linear_bias_m_s2 + own.linear,
+        };
+        self.acceleration.set(lane, acceleration);
+        self.spin_rate_rad_s2.set(lane, spin_rate_rad_s2);
+        self.slide_rate_m_s2.set(lane, to_body * own.linear);
     }
 
     /// Changes the modes of the joint's dofs that contradict their motion: all of them, or only the first. Returns
     /// whether a mode was changed.
-    fn agree(&mut self, h: f64, all: bool) -> bool {
-        let Some(joint) = self.joint.as_mut().filter(|joint| joint.is_bounded()) else {
+    fn agree(&mut self, lane: usize, h: f64, all: bool) -> bool {
+        let carried = self.articulated.at(lane).feel(self.acceleration.at(lane));
+        let in_parent = self.in_parent.at(lane).pose;
+        let axes = self.world.axes.at(lane);
+        let torque = axes * self.torque_nm.at(lane);
+        let Some(joint) = self.joint_mut(lane).filter(|joint| joint.is_bounded()) else {
             return false;
         };
-        let Articulated { angular, linear, torque_bias, force_bias, .. } = self.articulated;
-        let moved = self.articulated.push(MotionAxis { angular, linear });
-        let carried =
-            MotionAxis { angular: moved.angular + torque_bias, linear: moved.linear + force_bias };
-        let axes = self.world.axes;
-        let drive = MotionAxis { angular: axes * self.torque_nm, linear: axes * joint.force_n };
+        let drive = MotionAxis { angular: torque, linear: axes * joint.force_n };
         let mut changed = false;
         for dof in 0..joint.count {
             let speed = joint.speeds[dof] + h * joint.rates[dof];
             let at = joint.motion_axes[dof];
             let (borne, driven) = (at.dot(carried), at.dot(drive));
             let effort = borne + joint.rotor * joint.rates[dof] + joint.damping * speed - driven;
-            let bounds = joint.bounds(dof, &self.in_parent.pose, h);
+            let bounds = joint.bounds(dof, &in_parent, h);
             let scale = borne.abs() + driven.abs();
             let mode = bounds.next(joint.modes[dof], speed, effort, scale);
             if mode != joint.modes[dof] {

@@ -185,11 +185,16 @@ impl Joint {
     }
 
     /// Updates the motion axes from the poses of the body and its parent in the world.
-    pub(super) fn update_motion_axes(&mut self, in_parent: &Pose, parent: &World, body: &World) {
-        let (axes, slides) = (self.axes_in_body(in_parent), self.slides_in_parent());
+    pub(super) fn update_motion_axes(
+        &mut self,
+        in_parent: &InParent,
+        parent: &World,
+        body: &World,
+    ) {
+        let (axes, slides) = (self.axes_in_body(&in_parent.pose), self.slides_in_parent());
         if self.kind == JointModel::Spherical {
             // The axes change from step to step, but the spin does not.
-            let spin = body.spin_rad_s;
+            let spin = in_parent.spin_rad_s;
             for (speed, axis) in self.speeds.iter_mut().zip(axes).take(3) {
                 *speed = axis.dot(spin);
             }

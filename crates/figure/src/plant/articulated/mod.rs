@@ -1,23 +1,31 @@
 //! The exact plant: reduced coordinates, which keep joints from drifting apart, and our own forward dynamics in
 //! f64. It is the reference for the other plants.
 
+#![expect(clippy::inline_always, reason = "see `sinew_batch::Work::run`")]
+
 mod articulated_body;
 mod bounds;
 mod dynamics;
 mod joint;
+mod lanes;
 mod spatial;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod turn;
 mod weight;
 
+use std::array::from_fn;
+
 use glam::DVec3;
+use sinew_batch::{Work, widest};
 
 use super::check::check;
 use super::{Description, Drive, Mechanism, MovingPose, Plant, PlantError, Pose, Settings};
 use tree::Tree;
 
-/// A mechanism in reduced coordinates: a position and a velocity for each dof of its joints.
+/// A mechanism in reduced coordinates: a position and a velocity for each dof of its joints. Or `L` mechanisms with
+/// the same joints, which take their steps together.
 ///
 /// Accepts any tree of joints, with rotor inertia, viscous and Coulomb friction, and ranges. Viscous friction is
 /// implicit; Coulomb friction and the ends of ranges hold a joint exactly: see `bounds.rs`. All three are stable
@@ -26,13 +34,19 @@ use tree::Tree;
 /// Each substep is a step of semi-implicit Euler, velocities first. Over the substeps the torques are constant in
 /// the axes of the bodies on which they act, like those of motors, and the root's force is constant in the root's
 /// axes.
+///
+/// Several mechanisms are computed in the lanes of vector instructions. Each has the operations of a mechanism alone
+/// in the same order, so its poses have the same bits, whatever the others do.
 #[derive(Debug, Clone)]
-pub struct ArticulatedPlant {
-    tree: Tree,
+pub struct ArticulatedPlant<const L: usize = 1> {
+    tree: Tree<L>,
     dt_s: f64,
     substeps: usize,
-    poses: Vec<Pose>,
+    poses: [Vec<Pose>; L],
 }
+
+/// Number of mechanisms that are computed at once: the widest vector registers hold this number of f64.
+pub const LANES: usize = 8;
 
 /// Accelerations of a mechanism.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,10 +77,7 @@ impl ArticulatedPlant {
     ) -> Result<Self, PlantError> {
         check(mechanism, start, dt_s, substeps)?;
         weight::check(mechanism, start)?;
-        let tree = Tree::new(mechanism, start);
-        let mut poses = Vec::with_capacity(start.len());
-        tree.poses(&mut poses);
-        Ok(Self { tree, dt_s, substeps, poses })
+        Ok(Self::of_tree(Tree::new(mechanism, start), dt_s, substeps))
     }
 
     /// Sets gravity, in world axes, m/s².
@@ -93,33 +104,84 @@ impl ArticulatedPlant {
 
     /// Computes forward dynamics: the accelerations under the drives in the present state.
     pub fn accelerations(&mut self, drive: &Drive) -> Accelerations {
-        self.tree.set_drive(drive);
+        self.tree.set_drives(&[drive]);
         self.tree.accelerate(self.dt_s / self.substeps as f64);
+        let links = &self.tree.links;
         Accelerations {
-            root_m_s2: self.tree.root_acceleration_m_s2,
-            joints_rad_s2: self.tree.links.iter().map(|link| link.spin_rate_rad_s2).collect(),
-            slides_m_s2: self.tree.links.iter().map(|link| link.slide_rate_m_s2).collect(),
+            root_m_s2: self.tree.root_acceleration_m_s2.at(0),
+            joints_rad_s2: links.iter().map(|link| link.spin_rate_rad_s2.at(0)).collect(),
+            slides_m_s2: links.iter().map(|link| link.slide_rate_m_s2.at(0)).collect(),
         }
     }
 
     /// Returns the poses and velocities of the bodies.
     pub fn motions(&self) -> Vec<MovingPose> {
-        self.tree.motions(&self.poses)
+        self.tree.motions(&self.poses[0])
+    }
+}
+
+// Not generic: this crate's optimization applies, not that of the crate that calls these functions.
+impl ArticulatedPlant<LANES> {
+    /// Joins mechanisms, each in its state. Returns `None` if their joints, their time steps or their gravity differ.
+    pub fn join(plants: [&ArticulatedPlant; LANES]) -> Option<Self> {
+        let ArticulatedPlant { dt_s, substeps, .. } = *plants[0];
+        let alike = |plant: &&ArticulatedPlant| {
+            plant.dt_s.to_bits() == dt_s.to_bits() && plant.substeps == substeps
+        };
+        let tree = Tree::join(plants.map(|plant| &plant.tree))?;
+        plants.iter().all(alike).then(|| Self::of_tree(tree, dt_s, substeps))
+    }
+
+    /// Advances all mechanisms by one step with constant drives.
+    pub fn step_all(&mut self, drives: [&Drive; LANES]) {
+        widest(Step { plant: self, drives });
+    }
+
+    /// Returns the poses of all bodies of a mechanism, by body.
+    pub fn poses_of(&self, lane: usize) -> &[Pose] {
+        &self.poses[lane]
+    }
+}
+
+impl<const L: usize> ArticulatedPlant<L> {
+    fn of_tree(tree: Tree<L>, dt_s: f64, substeps: usize) -> Self {
+        let mut poses = from_fn(|_| Vec::with_capacity(tree.links.len()));
+        tree.poses(&mut poses);
+        Self { tree, dt_s, substeps, poses }
+    }
+}
+
+struct Step<'a, const L: usize> {
+    plant: &'a mut ArticulatedPlant<L>,
+    drives: [&'a Drive; L],
+}
+
+impl<const L: usize> Work for Step<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { plant: ArticulatedPlant { tree, dt_s, substeps, poses }, drives } = self;
+        tree.set_drives(&drives);
+        let h = *dt_s / *substeps as f64;
+        for _ in 0..*substeps {
+            tree.accelerate(h);
+            tree.advance(h);
+        }
+        tree.poses(poses);
     }
 }
 
 impl Plant for ArticulatedPlant {
     fn step(&mut self, drive: &Drive) {
-        self.tree.set_drive(drive);
-        let h = self.dt_s / self.substeps as f64;
-        for _ in 0..self.substeps {
-            self.tree.accelerate(h);
-            self.tree.advance(h);
-        }
-        self.tree.poses(&mut self.poses);
+        Step { plant: self, drives: [drive] }.run();
     }
 
     fn poses(&self) -> &[Pose] {
-        &self.poses
+        &self.poses[0]
+    }
+
+    fn as_articulated(&self) -> Option<&ArticulatedPlant> {
+        Some(self)
     }
 }

@@ -277,7 +277,7 @@ fn everything_that_holds_joints_agrees_with_how_they_move() {
                 .tree
                 .links
                 .iter()
-                .filter_map(|link| link.joint.as_ref())
+                .flat_map(super::super::tree::Link::joints)
                 .map(|joint| {
                     joint
                         .modes

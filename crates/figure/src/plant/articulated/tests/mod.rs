@@ -1,4 +1,5 @@
 mod joints;
+mod lanes;
 
 use std::f64::consts::FRAC_PI_2;
 
