@@ -184,7 +184,7 @@ pub(crate) struct Slot {
     pub(crate) index: u8,
     pub(crate) name: String,
     /// SHA-256 of the show.
-    pub(crate) hash: String,
+    pub(crate) hash: [u8; 32],
     /// Duration, s; `None` if this program does not know the show's bytes.
     pub(crate) duration_s: Option<f32>,
     pub(crate) cues: Vec<CueMark>,

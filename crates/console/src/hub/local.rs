@@ -85,8 +85,6 @@ impl<L: Line> Hub<'_, L> {
                 self.ask(Command::EStop).map(|_| CUTS.to_owned())
             }
             Request::Drive if self.owner == Owner::Console => Ok(String::new()),
-            // The thread of the socket answers `Watch`.
-            Request::Watch => Err(Refused::because("it is no command")),
             Request::Yield => self.give_up_port(),
             Request::Who => {
                 let watches = self.owner == Owner::Watches;
@@ -98,7 +96,8 @@ impl<L: Line> Hub<'_, L> {
             {
                 Err(Refused::Other(format!("{} has the board", self.owner)))
             }
-            Request::Drive => Err(Refused::because("it is no command")),
+            // The thread of the socket answers `Watch`.
+            Request::Drive | Request::Watch => Err(Refused::because("it is no command")),
             Request::Home | Request::Jog { .. } => match self.move_for(request) {
                 Ok(()) => {
                     self.waiting = Some(Waiting::Command { command, answer });

@@ -61,19 +61,19 @@ impl Shows {
         for (slot, item) in items.iter().enumerate() {
             let (Some(item), Ok(slot)) = (item, u8::try_from(slot)) else { continue };
             let known = self.known.iter().position(|(known, _)| known.hash == item.hash);
-            let hash: String = item.hash.iter().map(|byte| format!("{byte:02x}")).collect();
-            let name = format!("slot {slot} ({})", &hash[..8]);
+            let [a, b, c, d, ..] = item.hash;
+            let name = format!("slot {slot} ({a:02x}{b:02x}{c:02x}{d:02x})");
             let unknown = Slot {
                 index: slot,
                 name,
-                hash: hash.clone(),
+                hash: item.hash,
                 duration_s: None,
                 cues: Vec::new(),
                 sound: None,
             };
             let found = known.and_then(|index| {
                 self.bytes.push((slot, index));
-                describe((slot, hash), &self.known[index].1)
+                describe((slot, item.hash), &self.known[index].1)
             });
             self.slots.push(found.unwrap_or(unknown));
         }
@@ -96,7 +96,7 @@ impl Shows {
     }
 }
 
-fn describe((slot, hash): (u8, String), own: &OwnShow) -> Option<Slot> {
+fn describe((slot, hash): (u8, [u8; 32]), own: &OwnShow) -> Option<Slot> {
     let show = Show::open(&own.bytes).ok()?;
     let rate_hz = show.rate().hz();
     let cues = show.cues();

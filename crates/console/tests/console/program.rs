@@ -1,5 +1,6 @@
 //! A program that drives through the Unix socket, by the rules that hold for pages.
 
+use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
@@ -48,8 +49,20 @@ fn until(program: &mut Driver, state: State) -> Report {
     }
 }
 
+/// Opens a program's connection, as soon as the console accepts it.
+fn open(console: &OtherSide) -> Driver {
+    let end = Instant::now() + PATIENCE;
+    loop {
+        match Driver::open(&console.name) {
+            Ok(program) => return program,
+            Err(error) => assert!(Instant::now() < end, "{error}"),
+        }
+        sleep(Duration::from_millis(10));
+    }
+}
+
 fn armed(console: &OtherSide) -> (Driver, Vec<f32>) {
-    let mut program = Driver::open(&console.name).unwrap();
+    let mut program = open(console);
     until(&mut program, State::Limp);
     ask(&mut program, PageCommand::Arm).unwrap();
     let q = until(&mut program, State::Holding).q;
@@ -91,7 +104,7 @@ fn a_program_arms_moves_plays_and_stops() {
 fn only_who_has_the_wheel_arms_and_moves() {
     let console = OtherSide::start(true);
     let mut page = Page::open(&console);
-    let mut program = Driver::open(&console.name).unwrap();
+    let mut program = open(&console);
     let q = until(&mut program, State::Limp).q;
     assert!(!program.drives());
     let why = "another page drives";
