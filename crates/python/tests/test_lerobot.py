@@ -13,6 +13,7 @@ import pathlib
 import subprocess
 import sys
 import time
+from dataclasses import dataclass
 from types import ModuleType
 
 import numpy as np
@@ -34,6 +35,14 @@ from sinew_motion.lerobot import SinewLeader, SinewLeaderConfig, SinewRobot, Sin
 EXAMPLE = pathlib.Path(__file__).resolve().parents[1] / "examples/record_lerobot.py"
 
 
+@dataclass
+class Command:
+    """The options of LeRobot's commands that name devices."""
+
+    robot: RobotConfig
+    teleop: TeleoperatorConfig
+
+
 @pytest.fixture
 def file(tmp_path: pathlib.Path) -> str:
     path = tmp_path / "arm.toml"
@@ -49,13 +58,13 @@ def robot(file: str, tmp_path: pathlib.Path) -> SinewRobot:
 def test_commands_of_lerobot_find_the_classes(file: str, tmp_path: pathlib.Path) -> None:
     """LeRobot reads types and options from its command line, and finds the class of a configuration by its name."""
     parser.load_plugin("sinew_motion.lerobot")
-    words = ["--type=sinew", f"--target=sim:{file}", f"--calibration_dir={tmp_path}", "--servos=[sts3215]"]
-    config = draccus.parse(RobotConfig, None, words)
-    assert isinstance(config, SinewRobotConfig) and config.servos == ["sts3215"] and config.type == "sinew"
-    assert isinstance(make_robot_from_config(config), SinewRobot)
-    words = ["--type=sinew_leader", f"--target=sim:{file}", f"--calibration_dir={tmp_path}"]
-    leader = make_teleoperator_from_config(draccus.parse(TeleoperatorConfig, None, words))
-    assert isinstance(leader, SinewLeader) and leader.name == "sinew_leader"
+    words = ["--robot.type=sinew", f"--robot.target=sim:{file}", "--robot.servos=[sts3215]"]
+    words += ["--teleop.type=sinew_leader", f"--teleop.target=sim:{file}"]
+    words += [f"--{of}.calibration_dir={tmp_path}" for of in ("robot", "teleop")]
+    command = draccus.parse(Command, None, words)
+    assert isinstance(command.robot, SinewRobotConfig) and command.robot.servos == ["sts3215"]
+    assert isinstance(make_robot_from_config(command.robot), SinewRobot)
+    assert isinstance(make_teleoperator_from_config(command.teleop), SinewLeader)
 
 
 def test_a_robot_goes_where_it_is_sent_and_is_limp_afterwards(robot: SinewRobot) -> None:
