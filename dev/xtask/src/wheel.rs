@@ -48,13 +48,11 @@ pub(crate) fn run() -> Result<()> {
     if !absent.is_empty() {
         eprintln!("\n== not tested, because they are not installed: Python {}", absent.join(", "));
     }
-    match found.iter().find(|(version, _)| OF_LEROBOT.contains(version)) {
-        Some((_, python)) => with_lerobot(python, &wheel),
-        None => {
-            eprintln!("\n== LeRobot: left out, it needs Python {}", OF_LEROBOT.join(" or "));
-            Ok(())
-        }
-    }
+    let Some((_, python)) = found.iter().find(|(version, _)| OF_LEROBOT.contains(version)) else {
+        eprintln!("\n== LeRobot: left out, it needs Python {}", OF_LEROBOT.join(" or "));
+        return Ok(());
+    };
+    with_lerobot(python, &wheel)
 }
 
 /// Tests the classes for `LeRobot` with its real package, in an environment that is kept because of its size.

@@ -54,4 +54,5 @@ class Joints:
         for key, number in zip(self.keys, q):
             if not np.isfinite(number):
                 raise ValueError(f"action: `{key}` is {action[key]}; it must be a finite number")
-        return np.clip(q, self.rig.lower, self.rig.upper)
+        within: Array = np.clip(q, self.rig.lower, self.rig.upper)
+        return within
