@@ -16,7 +16,7 @@
 //!
 //! # Files
 //! - `server/`: listeners, request heads, sockets, and the limits of all of them. `page/`: the files it serves.
-//! - `message`: text messages between page and hub; `frame`: the state of the rig as numbers.
+//! - `driver`: a program that drives like a page. `message`: text messages between page and hub; `frame`: the state of the rig as numbers.
 //! - `hub/`: the loop, commands, sliders, shows, idle life, uploads, and hubs without pages.
 //! - `replay/`: a recording instead of a board. `sounds`: sounds of shows, which pages play.
 //! - `scene`: the rig as the page draws it. [`local`]: the Unix socket for commands in other terminals.
@@ -25,6 +25,7 @@
 #![deny(missing_docs)]
 
 mod console;
+mod driver;
 mod frame;
 mod hub;
 pub mod local;
@@ -36,9 +37,11 @@ mod server;
 mod sounds;
 
 pub use console::{Console, Options, execute};
+pub use driver::Driver;
 pub use hub::{
     BeginRecord, Ended, Hosted, NewRecord, OwnShow, OwnShows, Owner, RECORD_HZ, Records, idle_life,
 };
+pub use message::PageCommand;
 pub use replay::{Replay, ReplayError};
 pub use scene::{Scene, Source};
 pub use sounds::OwnSound;

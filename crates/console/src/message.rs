@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A message of a page. The answer to it has the number `id`; without a number there is no answer.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+/// A message of a page, or of a program that drives. The answer to it has the number `id`; without a number there is no answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FromPage {
     pub(crate) id: Option<u64>,
     #[serde(flatten)]
@@ -12,15 +12,17 @@ pub(crate) struct FromPage {
 
 /// A command of a page. Every page may hold, stop, e-stop, and ask for the wheel; the other commands are for the page
 /// that has the wheel.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
-pub(crate) enum PageCommand {
-    /// The first message of a page: it shows that the page has the token.
+pub enum PageCommand {
+    /// The first message of a page.
     Hello {
+        /// The token, which shows that the console's user has opened the page.
         token: String,
     },
-    /// The page is still open. `t` is returned.
+    /// The page is still open.
     Ping {
+        /// Any number; it is returned.
         t: f64,
     },
     /// The rig holds where it is.
@@ -31,51 +33,89 @@ pub(crate) enum PageCommand {
     EStop,
     /// The page takes the wheel, or gives it back.
     Wheel {
+        /// Whether the page takes the wheel.
         take: bool,
     },
+    /// The rig is armed.
     Arm,
     /// The rig is lowered where it is.
     Lower,
+    /// The rig goes to its home pose.
     Home,
     /// All latched faults are cleared.
     Clear,
+    /// A show is played.
     Play {
+        /// Slot of the show.
         slot: u8,
+        /// Whether the show begins again when it is over.
         #[serde(default, rename = "loop")]
         is_loop: bool,
+        /// Number of rounds of a loop; then the answer follows at the end of the show. 0 for a page.
+        #[serde(default)]
+        rounds: u32,
     },
+    /// The rig goes to a pose. The answer follows at the end of the motion.
+    Goto {
+        /// Coordinates.
+        q: Vec<f32>,
+        /// Shortest time of the motion, s.
+        seconds: f64,
+    },
+    /// The rig follows a pose; the program sends the next one before the board holds.
+    Live {
+        /// Coordinates.
+        q: Vec<f32>,
+    },
+    /// The answer is the state of the rig, as a [`Report`](sinew_board_client::console::Report).
+    State,
+    /// The answer is the board's log of faults.
+    Faults,
     /// Idle life starts, or ends.
     Idle {
+        /// Whether it starts.
         on: bool,
     },
-    /// Shows the pose of the show at `t` s as a ghost; `None` removes the ghost.
+    /// A pose of a show is drawn as a ghost.
     Seek {
+        /// Time in the show, s; `None` removes the ghost.
         t: Option<f64>,
+        /// Slot of the show; `None`: the loaded show.
         slot: Option<u8>,
     },
-    /// The rig goes to the pose of the show at `t` s.
+    /// The rig goes to a pose of a show.
     Follow {
+        /// Time in the show, s.
         t: f64,
+        /// Slot of the show; `None`: the loaded show.
         slot: Option<u8>,
     },
     /// The goal of a slider; the page repeats it while the slider is held.
     Jog {
+        /// Index of the dof.
         dof: usize,
+        /// Goal, rad or m.
         goal: f64,
     },
-    /// The slider was released.
+    /// A slider was released.
     Release {
-        #[serde(rename = "dof")]
-        _dof: usize,
+        /// Index of the dof.
+        dof: usize,
     },
     /// Begins a recording of the session in a new file, or ends it.
     Record {
+        /// Whether it begins.
         on: bool,
     },
-    /// The next binary message is a show.
+    /// The next binary message is a show. A program sends the show's bytes after the line of this message.
     Upload {
+        /// Name for lists.
         name: String,
+        /// Slot whose show is replaced; `None`: a free slot.
         slot: Option<u8>,
+        /// Number of bytes that a program sends.
+        #[serde(default)]
+        bytes: usize,
     },
 }
 
@@ -143,6 +183,8 @@ pub(crate) struct Slot {
     #[serde(rename = "slot")]
     pub(crate) index: u8,
     pub(crate) name: String,
+    /// SHA-256 of the show.
+    pub(crate) hash: [u8; 32],
     /// Duration, s; `None` if this program does not know the show's bytes.
     pub(crate) duration_s: Option<f32>,
     pub(crate) cues: Vec<CueMark>,
@@ -188,7 +230,7 @@ mod tests {
         assert_eq!(jog, FromPage { id: Some(7), command: PageCommand::Jog { dof: 2, goal: 0.5 } });
         assert_eq!(read(r#"{"type":"estop"}"#).unwrap().command, PageCommand::EStop);
         let play = read(r#"{"type":"play","slot":0,"loop":true}"#).unwrap().command;
-        assert_eq!(play, PageCommand::Play { slot: 0, is_loop: true });
+        assert_eq!(play, PageCommand::Play { slot: 0, is_loop: true, rounds: 0 });
         assert_eq!(
             read(r#"{"type":"seek","t":null}"#).unwrap().command,
             PageCommand::Seek { t: None, slot: None }

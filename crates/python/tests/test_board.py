@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from types import FrameType
 
 import numpy as np
@@ -266,3 +266,95 @@ def test_rounds_count_from_the_first_pose() -> None:
         playing.join(60.0)
         assert not errors and not playing.is_alive()
         assert time.monotonic() - begun > show.duration + 0.5
+
+
+@pytest.fixture
+def console(program: str, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[sm.Rig]:
+    """Runs ``sinew console`` on a simulated arm, and returns its rig."""
+    monkeypatch.setenv("SINEW_SOCKETS", str(tmp_path / "sockets"))
+    file = tmp_path / "arm.toml"
+    sm.Rig.arm(2).save(file)
+    running = subprocess.Popen(
+        [program, "console", "--no-open", "--rig", str(file)], stdout=subprocess.DEVNULL, cwd=tmp_path
+    )
+    try:
+        end = time.monotonic() + 60.0
+        while not list((tmp_path / "sockets").glob("*.sock")):
+            assert running.poll() is None and time.monotonic() < end, "the console does not start"
+            time.sleep(0.05)
+        yield sm.Rig.load(file)
+    finally:
+        running.send_signal(signal.SIGINT)
+        assert running.wait(60.0) == 0
+
+
+def test_a_program_drives_a_console(console: sm.Rig) -> None:
+    with pytest.raises(sm.BoardError, match="the given one is"):
+        sm.Board.open("console", sm.Rig.arm(3))
+    with sm.Board.open("console", console) as board, sm.Board.open("console", console) as other:
+        at = board.state()
+        assert at.state == "limp" and at.temperature.shape == (2,) and board.faults() == []
+        goal = np.clip(at.q + 0.1, console.lower, console.upper)
+        show = sm.bake(np.tile(goal, (11, 1)), console, rate_hz=10)
+        board.upload(show)
+        board.upload(show)
+        with pytest.raises(sm.BoardError, match="another page drives"):
+            other.arm()
+        with pytest.raises(sm.BoardError, match="another page drives"):
+            other.take()
+        board.arm()
+        board.goto(goal, duration=0.5)
+        reached = board.state()
+        assert np.abs(reached.q - goal).max() < 0.05 and reached.state == "holding"
+        board.play(show)
+        with pytest.raises(sm.BoardError, match="`upload`"):
+            board.play(sm.bake(np.tile(goal, (12, 1)), console, rate_hz=10))
+        for wrong in ([50.0, 0.0], [np.nan, 0.0]):
+            with pytest.raises((sm.BoardError, ValueError)):
+                board.live(wrong)
+        for _ in range(40):
+            sent = board.live(goal)
+            time.sleep(0.01)
+        assert board.state().state == "playing" and np.abs(sent - goal).max() < 1e-6
+        board.hold()
+        moving, errors = in_thread(lambda: board.goto(goal - 0.2, duration=60.0))
+        time.sleep(0.5)
+        board.hold()
+        moving.join(5.0)
+        assert errors == ["ended by `hold`"] and board.state().state == "holding"
+        # Anybody may hold the rig, which ends a motion.
+        moving, errors = in_thread(lambda: board.goto(goal - 0.2, duration=60.0))
+        time.sleep(0.5)
+        other.hold()
+        moving.join(5.0)
+        assert len(errors) == 1 and "the motion was ended" in errors[0]
+        # The program that has asked for the wheel gets it.
+        board.release()
+        other.goto(goal, duration=0.5)
+        other.stop()
+        assert other.state().state == "limp"
+        other.estop()
+        other.clear()
+
+
+def test_the_rig_of_a_console_holds_if_its_program_is_killed(console: sm.Rig, tmp_path: pathlib.Path) -> None:
+    code = """
+import sys, sinew_motion as sm
+rig = sm.Rig.load(sys.argv[1])
+board = sm.Board.open("console", rig)
+board.arm()
+print("ready", flush=True)
+board.goto(board.state().q - 0.2, duration=600.0)
+"""
+    child = subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path / "arm.toml")], stdout=subprocess.PIPE, text=True
+    )
+    assert child.stdout and child.stdout.readline() == "ready\n"
+    with sm.Board.open("console", console) as board:
+        end = time.monotonic() + 30.0
+        while board.state().state != "playing":
+            assert time.monotonic() < end
+        child.kill()
+        child.wait()
+        while board.state().state != "holding":
+            assert time.monotonic() < end

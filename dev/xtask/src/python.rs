@@ -23,6 +23,17 @@ impl Venv {
         list: &str,
         more: impl FnOnce(&Self) -> Result<()>,
     ) -> Result<Self> {
+        Self::install_with(Path::new("python3"), name, packages, list, more)
+    }
+
+    /// Creates an environment of an interpreter, like [`Self::install`].
+    pub(crate) fn install_with(
+        python: &Path,
+        name: &str,
+        packages: &[&str],
+        list: &str,
+        more: impl FnOnce(&Self) -> Result<()>,
+    ) -> Result<Self> {
         let venv = Self { folder: step::root().join("target").join(name) };
         let installed = venv.folder.join("installed");
         if std::fs::read_to_string(&installed).is_ok_and(|found| found == list) {
@@ -31,7 +42,7 @@ impl Venv {
         setup::python()?;
         let _ = std::fs::remove_dir_all(&venv.folder);
         let title = format!("Python for {name}");
-        step::run(&title, step::command("python3").args(["-m", "venv"]).arg(&venv.folder))?;
+        step::run(&title, Command::new(python).args(["-m", "venv"]).arg(&venv.folder))?;
         venv.pip(&[&["install"][..], packages].concat())?;
         more(&venv)?;
         std::fs::write(installed, list)?;

@@ -34,8 +34,9 @@ Commands:
   peers     Checks that four kernels of the core agree with those of Pinocchio and MuJoCo (from PyPI), and inverse
             dynamics with other crates; then compares their times
   python    Builds the wheel `sinew-motion`, and tests it in fresh environments of every Python from 3.10 to 3.13 that is
-            installed: tests, examples, types, the notebook, and torques beside Pinocchio's (from PyPI). With --bench:
-            instead of the tests, measures inverse dynamics beside pin, a loop of Pinocchio in C++, mujoco and dynibo
+            installed: tests, examples, types, the notebook, and torques beside Pinocchio's (from PyPI); then records
+            ten episodes with LeRobot (from PyPI, 4 GB). With --bench: instead of the tests, measures inverse dynamics
+            beside pin, a loop of Pinocchio in C++, mujoco and dynibo
   deny      Checks lock files, licences, sources and versions of dependencies, and known vulnerabilities if their
             database can be reached, with cargo-deny and deny.toml
   semver REV

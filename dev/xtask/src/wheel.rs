@@ -24,6 +24,10 @@ const MORE: [&str; 6] =
 /// Other libraries for dynamics, and headers for the loop in C++.
 const BESIDE: [&str; 5] =
     ["numpy", "pin==4.1.0", "cmeel-eigen==3.4.1", "mujoco==4.0.0", "dynibo==0.5.2"];
+/// The package of `LeRobot`, which brings torch (4 GB), and the packages of its test.
+const LEROBOT: [&str; 2] = ["lerobot[dataset]==0.6.1", TESTED_WITH[1]];
+/// Versions of Python for which this `LeRobot` exists.
+const OF_LEROBOT: [&str; 2] = ["3.12", "3.13"];
 /// Maximum size of the wheel, bytes.
 const WHEEL_MAX: u64 = 8_000_000;
 
@@ -44,7 +48,24 @@ pub(crate) fn run() -> Result<()> {
     if !absent.is_empty() {
         eprintln!("\n== not tested, because they are not installed: Python {}", absent.join(", "));
     }
-    Ok(())
+    let Some((_, python)) = found.iter().find(|(version, _)| OF_LEROBOT.contains(version)) else {
+        eprintln!("\n== LeRobot: left out, it needs Python {}", OF_LEROBOT.join(" or "));
+        return Ok(());
+    };
+    with_lerobot(python, &wheel)
+}
+
+/// Tests the classes for `LeRobot` with its real package, in an environment that is kept because of its size.
+fn with_lerobot(python: &Path, wheel: &Path) -> Result<()> {
+    let venv = Venv::install_with(python, "lerobot", &LEROBOT, &LEROBOT.join("\n"), |_| Ok(()))?;
+    let wheel = wheel.display().to_string();
+    venv.pip(&["install", "--force-reinstall", "--no-deps", &wheel])?;
+    let mut test = Command::new(venv.folder.join("bin/python"));
+    test.current_dir(step::root().join(FOLDER));
+    test.args(["-m", "pytest", "--quiet", "tests/test_lerobot.py"]);
+    // Without a network and without the user's folder of `LeRobot`.
+    test.env("HF_HUB_OFFLINE", "1").env("HF_HOME", venv.folder.join("home"));
+    step::run("ten episodes by LeRobot", &mut test)
 }
 
 /// Measures inverse dynamics beside other libraries.

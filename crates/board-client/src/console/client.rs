@@ -115,6 +115,19 @@ pub fn roles(names: &[String]) -> Vec<Option<Role>> {
     replies.map(|reply| reply.ok().and_then(role)).collect()
 }
 
+/// Connects to a hub with a request after which both ends send more lines. Returns the connection after the reply.
+///
+/// # Errors
+/// An I/O error if no hub has this name or it does not answer in time; with the hub's words if it refuses.
+pub fn connect(name: &str, request: &Request) -> io::Result<BufReader<UnixStream>> {
+    let stream = send(name, request)?;
+    stream.set_read_timeout(Some(ANSWERS))?;
+    let (mut reader, mut line) = (BufReader::new(stream), String::new());
+    reader.read_line(&mut line)?;
+    let reply: Reply = serde_json::from_str(&line).map_err(io::Error::other)?;
+    if reply.ok { Ok(reader) } else { Err(io::Error::other(reply.text)) }
+}
+
 fn exchange(name: &str, request: &Request, wait: Option<Duration>) -> io::Result<Reply> {
     let mut line = String::new();
     let stream = send(name, request)?;

@@ -2,7 +2,8 @@
 //! uses a board. Only this user can open the socket.
 //!
 //! A request is one line of JSON, and so is its answer. A motion is answered at its end; if the asking command ends
-//! earlier, the rig holds. A command that watches receives a line for each view of the rig, until it ends.
+//! earlier, the rig holds. A command that watches receives a line for each view of the rig, until it ends. A program
+//! that drives sends and receives the messages of a page, a line each.
 
 mod client;
 mod folder;
@@ -13,7 +14,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use sinew_link::message::{FaultRecord, Servo, Summary};
 
-pub use client::{Watching, ask, ask_all, consoles, roles, watch};
+pub use client::{Watching, ask, ask_all, connect, consoles, roles, watch};
 pub use folder::folder;
 
 /// A command for a running hub.
@@ -39,6 +40,8 @@ pub enum Request {
     Yield,
     /// The hub tells its [`Role`].
     Who,
+    /// A console accepts the connection as a page: messages in both directions, each a line of JSON.
+    Drive,
 }
 
 /// Kind of a hub.
@@ -72,6 +75,23 @@ pub struct View {
     pub servos: Vec<Servo>,
     /// Faults that are new since the previous view.
     pub faults: Vec<FaultRecord>,
+}
+
+/// State of a rig for a program that drives it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// CRC of the rig.
+    pub rig: u32,
+    /// Newest summary of the board.
+    pub summary: Summary,
+    /// Number of summaries that the hub has received.
+    pub summaries: u32,
+    /// Measured coordinates.
+    pub q: Vec<f32>,
+    /// Commanded efforts of all dofs, N m or N.
+    pub efforts: Vec<f32>,
+    /// Newest data of all servos.
+    pub servos: Vec<Servo>,
 }
 
 /// Answer of a hub to a request.

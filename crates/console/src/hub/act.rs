@@ -25,6 +25,8 @@ pub(super) const AGAIN: Duration = Duration::from_millis(100);
 pub(super) enum Act {
     Slider(Feeding<Slider>),
     Journey(Feeding<Journey>),
+    /// Poses of a program, one after the other.
+    Live(Feeding<()>),
     Show(Playing),
     Idle(Feeding<()>),
 }
@@ -46,8 +48,8 @@ pub(super) struct Feeding<M> {
 pub(super) struct Playing {
     /// Whether the show begins again when it is over.
     repeats: bool,
-    /// Whether the show is a loop that is played once: at the end of the round, the rig holds.
-    ends: bool,
+    /// Number of rounds of a loop that ends: after the last, the rig holds.
+    rounds: Option<u32>,
     before: u32,
     show_ms: u32,
 }
@@ -103,11 +105,18 @@ impl<L: Line> Hub<'_, L> {
     }
 
     /// Begins to play the loaded show.
-    pub(super) fn begin_show(&mut self, repeats: bool, is_loop: bool) -> Result<(), Refused> {
+    pub(super) fn begin_show(&mut self, repeats: bool, rounds: Option<u32>) -> Result<(), Refused> {
         self.ask(Command::Play(Feed::Show))?;
-        let (before, ends) = (self.board.log.summaries, is_loop && !repeats);
-        self.act = Some(Act::Show(Playing { repeats, ends, before, show_ms: 0 }));
+        let before = self.board.log.summaries;
+        self.arrived = None;
+        self.act = Some(Act::Show(Playing { repeats, rounds, before, show_ms: 0 }));
         Ok(())
+    }
+
+    fn end_show(&mut self) {
+        const OVER: &str = "the show is over";
+        self.event(Level::Info, OVER);
+        self.arrived = Some(Ok(OVER.to_owned()));
     }
 
     /// Continues the motion.
@@ -116,6 +125,7 @@ impl<L: Line> Hub<'_, L> {
             None => return,
             Some(Act::Slider(feeding)) => self.go_on_slider(feeding),
             Some(Act::Journey(feeding)) => self.go_on_journey(feeding),
+            Some(Act::Live(feeding)) => self.go_on_live(feeding),
             Some(Act::Show(playing)) => self.go_on_show(playing),
             Some(Act::Idle(feeding)) => self.go_on_idle(feeding),
         };
@@ -179,6 +189,30 @@ impl<L: Line> Hub<'_, L> {
         Ok(())
     }
 
+    /// Follows the poses of a program. The hub repeats none of them, so the board holds if the next one is late.
+    fn go_on_live(&mut self, mut feeding: Feeding<()>) -> Result<(), Refused> {
+        if self.follow(&mut feeding, Feed::Live)? {
+            self.act.get_or_insert(Act::Live(feeding));
+        }
+        Ok(())
+    }
+
+    /// Sends a pose of a program to the board, which follows it.
+    pub(super) fn live(&mut self, mut pose: Vec<f32>) -> Result<String, Refused> {
+        self.check_pose(&pose)?;
+        if !matches!(self.state(), State::Holding | State::Playing) {
+            return Err(Refused::Other(format!("the rig is {}: arm it first", self.state())));
+        }
+        if !matches!(self.act, None | Some(Act::Live(_))) {
+            return Err(Refused::because("the rig moves on its own: hold it first"));
+        }
+        self.scene.follow(&mut pose);
+        let now = self.now();
+        self.send_pose(pose, now)?;
+        self.act.get_or_insert_with(|| Act::Live(Feeding::new((), now)));
+        Ok(String::new())
+    }
+
     fn go_on_idle(&mut self, mut feeding: Feeding<()>) -> Result<(), Refused> {
         let now = self.now();
         if feeding.is_due(now)
@@ -236,17 +270,22 @@ impl<L: Line> Hub<'_, L> {
         if is_new {
             playing.show_ms = show_ms;
         }
+        if is_round && let Some(rounds @ 2..) = &mut playing.rounds {
+            *rounds -= 1;
+            self.act = Some(Act::Show(playing));
+            return Ok(());
+        }
         match self.state() {
-            State::Playing if is_round && playing.ends => {
+            State::Playing if is_round && playing.rounds == Some(1) => {
                 self.hold()?;
-                self.event(Level::Info, "the show is over");
+                self.end_show();
             }
             _ if !is_new => self.act = Some(Act::Show(playing)),
             State::Playing => self.act = Some(Act::Show(playing)),
             State::Holding if playing.repeats && self.closing.is_none() => {
-                self.begin_show(playing.repeats, false)?;
+                self.begin_show(playing.repeats, None)?;
             }
-            State::Holding => self.event(Level::Info, "the show is over"),
+            State::Holding => self.end_show(),
             _ => {}
         }
         Ok(())

@@ -1,7 +1,8 @@
-//! Executes the commands of pages.
+//! Executes the commands of pages, and of programs that drive.
 
 use std::time::Duration;
 
+use sinew_board_client::console::Report;
 use sinew_board_client::{Journey, Line};
 use sinew_link::message::{Command, POSE_MAX, State};
 
@@ -16,6 +17,10 @@ use crate::server::PageId;
 const LET_GO: Duration = Duration::from_millis(400);
 /// Share of a slider's maximum speed that a journey uses, so that the board's own limit is not reached.
 const SHARE: f32 = 0.7;
+/// Longest time of a motion to a pose, s.
+const LONGEST_S: f64 = 3600.0;
+/// Permitted distance beyond a range, rad or m, which rounding may cause.
+const ROUNDING: f32 = 1e-5;
 
 impl<L: Line> Hub<'_, L> {
     /// Executes a command of a page, if the page may give it. Returns the result in words; or `None` if the answer
@@ -27,8 +32,8 @@ impl<L: Line> Hub<'_, L> {
         command: PageCommand,
     ) -> Option<Result<String, Refused>> {
         use PageCommand::{
-            Arm, Clear, EStop, Follow, Hello, Hold, Home, Idle, Jog, Lower, Ping, Play, Record,
-            Release, Seek, Stop, Upload, Wheel,
+            Arm, Clear, EStop, Faults, Follow, Goto, Hello, Hold, Home, Idle, Jog, Live, Lower,
+            Ping, Play, Record, Release, Seek, State, Stop, Upload, Wheel,
         };
         let is_driver = self.wheel.is_at(page);
         Some(match command {
@@ -50,6 +55,8 @@ impl<L: Line> Hub<'_, L> {
             }
             Hello { .. } => Ok(String::new()),
             Wheel { take } => self.turn_wheel(page, take),
+            State => self.report(),
+            Faults => self.faults(),
             _ if !is_driver => {
                 Err(Refused::because("another page drives; this page may hold and stop"))
             }
@@ -65,13 +72,22 @@ impl<L: Line> Hub<'_, L> {
                 self.end_all();
                 self.ask(Command::Disarm).map(|_| "the rig is lowered where it is".to_owned())
             }
-            Home => self.travel(&self.scene.home.clone()),
+            Home => self.travel(&self.scene.home.clone(), Duration::ZERO),
+            Goto { q, seconds } => {
+                let begun = self.go_to(q, seconds);
+                return self.answer_at_end(page, id, begun);
+            }
+            Live { q } => self.live(q),
             Clear => self.ask(Command::ClearFaults).map(|_| "no fault is latched".to_owned()),
-            Play { slot, is_loop } => self.play(slot, is_loop),
+            Play { slot, is_loop, rounds: 0 } => self.play(slot, is_loop, 0),
+            Play { slot, is_loop, rounds } => {
+                let begun = self.play(slot, is_loop, rounds);
+                return self.answer_at_end(page, id, begun);
+            }
             Idle { on } => self.turn_idle(on),
             Seek { t, slot } => self.seek(t, slot),
             Follow { t, slot } => self.seek(Some(t), slot).and_then(|_| match self.ghost.clone() {
-                Some(ghost) => self.travel(&ghost),
+                Some(ghost) => self.travel(&ghost, Duration::ZERO),
                 None => Err(Refused::because("there is no such pose")),
             }),
             Jog { dof, goal } => self.jog(dof, goal),
@@ -82,7 +98,7 @@ impl<L: Line> Hub<'_, L> {
                     _ => Ok("nothing moves".to_owned()),
                 }
             }
-            Upload { name, slot } => {
+            Upload { name, slot, .. } => {
                 self.announce_upload(page, id, name, slot);
                 return None;
             }
@@ -189,8 +205,72 @@ impl<L: Line> Hub<'_, L> {
         Ok(String::new())
     }
 
-    /// Begins to move all joints of a rig that holds to a pose.
-    pub(super) fn travel(&mut self, to: &[f32]) -> Result<String, Refused> {
+    /// Begins to move the rig to a pose of a program.
+    fn go_to(&mut self, mut q: Vec<f32>, seconds: f64) -> Result<String, Refused> {
+        self.check_pose(&q)?;
+        if !(0.0..=LONGEST_S).contains(&seconds) {
+            return Err(Refused::Other(format!(
+                "seconds: expected 0 to {LONGEST_S}, found {seconds}"
+            )));
+        }
+        self.scene.follow(&mut q);
+        self.travel(&q, Duration::from_secs_f64(seconds))
+    }
+
+    /// Refuses a pose of a program that is not one of this rig.
+    pub(super) fn check_pose(&self, q: &[f32]) -> Result<(), Refused> {
+        let count = self.scene.home.len();
+        if q.len() != count || count > POSE_MAX {
+            return Err(Refused::Other(format!(
+                "expected a pose of {count} numbers, of which a live pose carries {POSE_MAX}; found {}",
+                q.len()
+            )));
+        }
+        if q.iter().any(|number| !number.is_finite()) {
+            return Err(Refused::because("expected a pose of finite numbers"));
+        }
+        for dof in self.scene.dofs.iter().filter(|dof| dof.limited && dof.leader.is_none()) {
+            let Some(at) = dof.coordinate.map(|coordinate| q[coordinate]) else { continue };
+            let [least, most] = dof.range;
+            if !(least - ROUNDING..=most + ROUNDING).contains(&at) {
+                return Err(Refused::Other(format!(
+                    "`{}`: expected {least:.4} to {most:.4}, found {at:.4}",
+                    dof.name
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the state of the rig as JSON.
+    fn report(&self) -> Result<String, Refused> {
+        let log = &self.board.log;
+        let summary =
+            log.summary.ok_or_else(|| Refused::because("the controller sends no telemetry"))?;
+        json(&Report {
+            rig: self.board.about().rig,
+            summary,
+            summaries: log.summaries,
+            q: log.q.clone(),
+            efforts: log.dofs.iter().map(|dof| dof.effort).collect(),
+            servos: log.servos.clone(),
+        })
+    }
+
+    /// Returns the board's log of faults as JSON.
+    fn faults(&mut self) -> Result<String, Refused> {
+        match self.board.fault_log() {
+            Ok(records) => json(&records),
+            Err(error) => {
+                let text = error.to_string();
+                self.lose(error);
+                Err(Refused::Other(text))
+            }
+        }
+    }
+
+    /// Begins to move all joints of a rig that holds to a pose, in at least a time.
+    pub(super) fn travel(&mut self, to: &[f32], least: Duration) -> Result<String, Refused> {
         if self.state() != State::Holding {
             return Err(Refused::Other(format!(
                 "the rig is {}: it must stand, armed",
@@ -200,7 +280,7 @@ impl<L: Line> Hub<'_, L> {
         let from = self.pose_now(to.len())?;
         let now = self.now();
         let most_rad_s = SHARE * self.soft_rad_s;
-        let journey = Journey::new(&from, to, &self.scene.blocks, most_rad_s, now);
+        let journey = Journey::new(&from, to, &self.scene.blocks, most_rad_s, now).lasting(least);
         self.arrived = None;
         self.act = Some(Act::Journey(Feeding::new(journey, now)));
         Ok("the rig moves".to_owned())
@@ -224,4 +304,8 @@ impl<L: Line> Hub<'_, L> {
     pub(super) fn wanted(&self, coordinate: usize) -> Option<f32> {
         self.scene.commanded(&self.board.log)?.get(coordinate).copied()
     }
+}
+
+fn json(message: &impl serde::Serialize) -> Result<String, Refused> {
+    serde_json::to_string(message).map_err(|error| Refused::Other(error.to_string()))
 }

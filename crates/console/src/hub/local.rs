@@ -10,6 +10,7 @@ use sinew_link::message::{Command, State};
 use super::act::{AGAIN, Act, READY, passes};
 use super::{Hub, Refused};
 use crate::local::{CUTS, Reply, Request, Role, STOPS};
+use crate::server::PageId;
 
 /// Command number of the request that the program itself executes, without a socket.
 const OWN: u64 = 0;
@@ -49,11 +50,19 @@ pub(super) struct Asked {
     pub(super) yields: bool,
 }
 
-/// A command of another program that waits for the end of its motion.
+/// A program that waits for the end of its motion.
 #[derive(Debug)]
-pub(super) struct Waiting {
-    command: u64,
-    answer: SyncSender<Reply>,
+pub(super) enum Waiting {
+    /// A command in another terminal.
+    Command { command: u64, answer: SyncSender<Reply> },
+    /// A program that drives. It must keep the wheel, as a page does.
+    Driver { page: PageId, id: Option<u64> },
+}
+
+impl Waiting {
+    pub(super) fn is_command(&self) -> bool {
+        matches!(self, Self::Command { .. })
+    }
 }
 
 impl<L: Line> Hub<'_, L> {
@@ -75,22 +84,23 @@ impl<L: Line> Hub<'_, L> {
                 self.asked.stopped = true;
                 self.ask(Command::EStop).map(|_| CUTS.to_owned())
             }
-            // The thread of the socket answers `Watch`.
-            Request::Watch => Err(Refused::because("it is no command")),
+            Request::Drive if self.owner == Owner::Console => Ok(String::new()),
             Request::Yield => self.give_up_port(),
             Request::Who => {
                 let watches = self.owner == Owner::Watches;
                 let role = if watches { Role::Watches } else { Role::Drives };
                 Ok(role.name().to_owned())
             }
-            Request::Home | Request::Jog { .. }
+            Request::Drive | Request::Home | Request::Jog { .. }
                 if command != OWN && self.owner != Owner::Console =>
             {
                 Err(Refused::Other(format!("{} has the board", self.owner)))
             }
+            // The thread of the socket answers `Watch`.
+            Request::Drive | Request::Watch => Err(Refused::because("it is no command")),
             Request::Home | Request::Jog { .. } => match self.move_for(request) {
                 Ok(()) => {
-                    self.waiting = Some(Waiting { command, answer });
+                    self.waiting = Some(Waiting::Command { command, answer });
                     self.tell_roles();
                     return;
                 }
@@ -159,25 +169,43 @@ impl<L: Line> Hub<'_, L> {
             to[coordinate] = goal;
             self.scene.follow(&mut to);
         }
-        self.travel(&to).map(|_| ())
+        self.travel(&to, Duration::ZERO).map(|_| ())
     }
 
-    /// Answers a waiting command when its motion is over.
-    pub(super) fn go_on_waiting(&mut self) {
-        let Some(waiting) = &self.waiting else { return };
-        if !matches!(self.act, Some(Act::Journey(_))) {
-            let answer = waiting.answer.clone();
-            let ended = || Err(format!("the motion was ended: the rig is {}", self.state()));
-            let done = self.arrived.clone().unwrap_or_else(ended).map_err(Refused::Other);
-            self.reply(&answer, done);
-            self.waiting = None;
-            self.tell_roles();
+    /// Lets the answer to a driver follow at the end of its motion, if the motion has begun.
+    pub(super) fn answer_at_end(
+        &mut self,
+        page: PageId,
+        id: Option<u64>,
+        begun: Result<String, Refused>,
+    ) -> Option<Result<String, Refused>> {
+        if begun.is_err() {
+            return Some(begun);
         }
+        self.waiting = Some(Waiting::Driver { page, id });
+        None
+    }
+
+    /// Answers a waiting program when its motion is over.
+    pub(super) fn go_on_waiting(&mut self) {
+        if matches!(self.act, Some(Act::Journey(_) | Act::Show(_))) {
+            return;
+        }
+        let Some(waiting) = self.waiting.take() else { return };
+        let ended = || Err(format!("the motion was ended: the rig is {}", self.state()));
+        let done = self.arrived.clone().unwrap_or_else(ended).map_err(Refused::Other);
+        match waiting {
+            Waiting::Command { answer, .. } => self.reply(&answer, done),
+            Waiting::Driver { page, id: Some(id) } => self.answer(page, id, done),
+            Waiting::Driver { id: None, .. } => {}
+        }
+        self.tell_roles();
     }
 
     /// Holds the rig if this command was waiting: the program that gave it has ended.
-    pub(super) fn forget_waiting(&mut self, command: u64) {
-        if self.waiting.take_if(|waiting| waiting.command == command).is_some() {
+    pub(super) fn forget_waiting(&mut self, gone: u64) {
+        let is_it = |waiting: &mut Waiting| matches!(waiting, Waiting::Command { command, .. } if *command == gone);
+        if self.waiting.take_if(is_it).is_some() {
             let _ = self.hold();
             self.tell_roles();
         }

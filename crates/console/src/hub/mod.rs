@@ -280,7 +280,7 @@ impl<'a, L: Line> Hub<'a, L> {
     /// console, or while a command of another terminal moves the rig.
     fn watch_driver(&mut self) {
         let now = self.now();
-        if !self.wheel.is_silent(now) || self.is_unattended || self.waiting.is_some() {
+        if !self.wheel.is_silent(now) || self.is_unattended || self.is_commanded() {
             self.lower_at = None;
             return;
         }
@@ -297,6 +297,11 @@ impl<'a, L: Line> Hub<'a, L> {
             self.lower_at = None;
             let _ = self.ask(Command::Disarm);
         }
+    }
+
+    /// Returns whether a command of another terminal moves the rig.
+    fn is_commanded(&self) -> bool {
+        self.waiting.as_ref().is_some_and(Waiting::is_command)
     }
 
     /// Sends a command to the board and waits for its answer. A board that does not answer counts as lost.

@@ -63,11 +63,17 @@ impl Shows {
             let known = self.known.iter().position(|(known, _)| known.hash == item.hash);
             let [a, b, c, d, ..] = item.hash;
             let name = format!("slot {slot} ({a:02x}{b:02x}{c:02x}{d:02x})");
-            let unknown =
-                Slot { index: slot, name, duration_s: None, cues: Vec::new(), sound: None };
+            let unknown = Slot {
+                index: slot,
+                name,
+                hash: item.hash,
+                duration_s: None,
+                cues: Vec::new(),
+                sound: None,
+            };
             let found = known.and_then(|index| {
                 self.bytes.push((slot, index));
-                describe(slot, &self.known[index].1)
+                describe((slot, item.hash), &self.known[index].1)
             });
             self.slots.push(found.unwrap_or(unknown));
         }
@@ -90,7 +96,7 @@ impl Shows {
     }
 }
 
-fn describe(slot: u8, own: &OwnShow) -> Option<Slot> {
+fn describe((slot, hash): (u8, [u8; 32]), own: &OwnShow) -> Option<Slot> {
     let show = Show::open(&own.bytes).ok()?;
     let rate_hz = show.rate().hz();
     let cues = show.cues();
@@ -102,7 +108,14 @@ fn describe(slot: u8, own: &OwnShow) -> Option<Slot> {
         name: sound.name.clone(),
         offset_s: sound.offset_s,
     });
-    Some(Slot { index: slot, name: own.name.clone(), duration_s, cues: cues.collect(), sound })
+    Some(Slot {
+        index: slot,
+        name: own.name.clone(),
+        hash,
+        duration_s,
+        cues: cues.collect(),
+        sound,
+    })
 }
 
 /// Returns the pose of a show at a time, s; `None` if the show is invalid, or is not of this rig.
@@ -136,8 +149,8 @@ impl<L: Line> Hub<'_, L> {
         self.read_slots()
     }
 
-    /// Loads the show of a slot and plays it.
-    pub(super) fn play(&mut self, slot: u8, repeats: bool) -> Result<String, Refused> {
+    /// Loads the show of a slot and plays it; of a loop that does not repeat, as many rounds.
+    pub(super) fn play(&mut self, slot: u8, repeats: bool, rounds: u32) -> Result<String, Refused> {
         if !self.shows.has(slot) {
             return Err(Refused::because("there is no show in this slot"));
         }
@@ -148,7 +161,7 @@ impl<L: Line> Hub<'_, L> {
             .shows
             .bytes(slot)
             .is_some_and(|bytes| Show::open(&bytes).is_ok_and(|show| show.is_loop()));
-        self.begin_show(repeats, is_loop)?;
+        self.begin_show(repeats, (is_loop && !repeats).then_some(rounds.max(1)))?;
         Ok("the rig goes to the show's first pose, and plays".to_owned())
     }
 

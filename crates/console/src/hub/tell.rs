@@ -70,9 +70,9 @@ impl<L: Line> Hub<'_, L> {
     pub(super) fn tell_roles(&self) {
         for (id, page) in &self.pages {
             let driver = self.wheel.is_at(*id);
-            let other = match (&self.waiting, driver, self.wheel.is_free()) {
-                (Some(_), ..) => Some("command"),
-                (None, false, false) => Some("page"),
+            let other = match (self.is_commanded(), driver, self.wheel.is_free()) {
+                (true, ..) => Some("command"),
+                (false, false, false) => Some("page"),
                 _ => None,
             };
             let asked = driver && self.wheel.is_asked(self.now());

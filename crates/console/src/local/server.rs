@@ -2,6 +2,7 @@
 
 use std::fs::{self, Permissions};
 use std::io::{self, BufRead as _, BufReader, Read, Write as _};
+use std::net::Shutdown;
 use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::PathBuf;
@@ -14,7 +15,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::{Reply, Request, View, private_folder};
-use crate::server::ToHub;
+use crate::message::{FromPage, PageCommand};
+use crate::server::{Outbox, PageId, ToHub, Way, text_of};
 
 /// Maximum length of a request, bytes.
 const REQUEST_MAX: u64 = 4096;
@@ -23,6 +25,12 @@ const PATIENCE: Duration = Duration::from_secs(2);
 const LOOK: Duration = Duration::from_millis(20);
 /// Time for the last answers when the hub ends.
 const ANSWERS: Duration = Duration::from_millis(300);
+
+/// Longest silence of a program that drives, and longest show, bytes.
+const SILENT_MAX: Duration = Duration::from_secs(10);
+const SHOW_MAX: usize = 1 << 22;
+/// The bit that tells programs from pages in their numbers.
+const OF_PROGRAMS: PageId = 1 << 63;
 
 /// Maximum number of views that wait for a slow command. If they are exceeded, newer views are dropped.
 const VIEWS: usize = 4;
@@ -103,6 +111,7 @@ fn serve(stream: &UnixStream, hub: &SyncSender<ToHub>, asked: Arc<()>) -> io::Re
         drop(asked);
         return show(stream, hub);
     }
+    let drives = request == Request::Drive;
     let command = COMMANDS.fetch_add(1, Ordering::Relaxed);
     let (answer, answers) = sync_channel(1);
     hub.send(ToHub::Asked { command, request, answer }).map_err(|_| gone())?;
@@ -118,7 +127,9 @@ fn serve(stream: &UnixStream, hub: &SyncSender<ToHub>, asked: Arc<()>) -> io::Re
             return Err(gone());
         }
     };
-    write(stream, &reply)
+    write(stream, &reply)?;
+    drop(asked);
+    if drives && reply.ok { drive(stream, hub, OF_PROGRAMS | command) } else { Ok(()) }
 }
 
 /// Passes views of the rig to a command until the command ends.
@@ -131,6 +142,54 @@ fn show(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
             Ok(view) => write(stream, &view)?,
             Err(RecvTimeoutError::Timeout) if is_there(stream) => {}
             Err(_) => return Err(gone()),
+        }
+    }
+}
+
+/// Lets a program drive like a page: passes messages in both directions, until the program ends or sends something
+/// invalid.
+fn drive(stream: &UnixStream, hub: &SyncSender<ToHub>, page: PageId) -> io::Result<()> {
+    let (out, waiting) = Outbox::new(Way::Program(Arc::new(stream.try_clone()?)));
+    let mut writing = stream.try_clone()?;
+    let write_all = move || {
+        // A page's pictures are left out: a program asks for the state.
+        for frame in waiting {
+            let text =
+                text_of(&frame).map_or(Ok(()), |text| writing.write_all(&[text, b"\n"].concat()));
+            if text.is_err() {
+                break;
+            }
+        }
+        let _ = writing.shutdown(Shutdown::Both);
+    };
+    thread::Builder::new().name("program".to_owned()).spawn(write_all)?;
+    hub.send(ToHub::Joined { page, out, may_drive: true }).map_err(|_| gone())?;
+    let listened = listen(stream, hub, page);
+    // Without a hub there is nothing to report.
+    let _ = hub.send(ToHub::Left { page });
+    listened
+}
+
+/// Passes messages of a program to the hub.
+fn listen(stream: &UnixStream, hub: &SyncSender<ToHub>, page: PageId) -> io::Result<()> {
+    stream.set_read_timeout(Some(SILENT_MAX))?;
+    let mut reader = BufReader::new(stream);
+    loop {
+        let mut line = String::new();
+        reader.by_ref().take(REQUEST_MAX).read_line(&mut line)?;
+        let message: FromPage = serde_json::from_str(&line).map_err(io::Error::other)?;
+        let content = match message.command {
+            PageCommand::Upload { bytes, .. } if bytes > SHOW_MAX => {
+                return Err(io::ErrorKind::InvalidData.into());
+            }
+            PageCommand::Upload { bytes, .. } => Some(bytes),
+            _ => None,
+        };
+        hub.send(ToHub::Said { page, message }).map_err(|_| gone())?;
+        if let Some(count) = content {
+            let mut bytes = vec![0; count];
+            reader.read_exact(&mut bytes)?;
+            hub.send(ToHub::Content { page, bytes }).map_err(|_| gone())?;
         }
     }
 }

@@ -19,7 +19,7 @@ use crate::local::{Reply, Request, View};
 use crate::message::FromPage;
 use crate::sounds::Sounds;
 
-pub(crate) use socket::{Outbox, binary, text};
+pub(crate) use socket::{Outbox, Way, binary, text, text_of};
 pub(crate) use token::Token;
 
 /// Maximum number of connections, and maximum number of connections that have not shown the token.

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpStream};
+use std::os::unix::net::UnixStream;
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -43,6 +44,18 @@ pub(crate) fn binary(bytes: Vec<u8>) -> Frame {
     frame(WebFrame::message(bytes, OpCode::Data(Data::Binary), true))
 }
 
+/// Returns the text of a frame; `None` for a frame with other content.
+pub(crate) fn text_of(frame: &[u8]) -> Option<&[u8]> {
+    let [kind, length, ..] = frame else { return None };
+    // A length above 125 has two or eight more bytes.
+    let head = match length {
+        127 => 10,
+        126 => 4,
+        _ => 2,
+    };
+    (kind & 0x0F == 1).then(|| frame.get(head..))?
+}
+
 fn frame(frame: WebFrame) -> Frame {
     let mut bytes = Vec::with_capacity(frame.len());
     // A vector takes all bytes.
@@ -54,15 +67,32 @@ fn frame(frame: WebFrame) -> Frame {
 #[derive(Debug, Clone)]
 pub(crate) struct Outbox {
     frames: SyncSender<Frame>,
-    stream: Arc<TcpStream>,
+    way: Way,
+}
+
+/// The connection of an outbox.
+#[derive(Debug, Clone)]
+pub(crate) enum Way {
+    Page(Arc<TcpStream>),
+    /// A program that drives.
+    Program(Arc<UnixStream>),
 }
 
 impl Outbox {
+    /// Creates an outbox, and the queue of its frames.
+    pub(crate) fn new(way: Way) -> (Self, Receiver<Frame>) {
+        let (frames, waiting) = sync_channel(WAITING_MAX);
+        (Self { frames, way }, waiting)
+    }
+
     /// Queues a frame. Disconnects the page if the queue is full.
     pub(crate) fn send(&self, frame: &Frame) {
         if let Err(TrySendError::Full(_)) = self.frames.try_send(Arc::clone(frame)) {
             // Shutdown fails only if the connection is already over.
-            let _ = self.stream.shutdown(Shutdown::Both);
+            let _ = match &self.way {
+                Way::Page(stream) => stream.shutdown(Shutdown::Both),
+                Way::Program(stream) => stream.shutdown(Shutdown::Both),
+            };
         }
     }
 
@@ -122,8 +152,7 @@ pub(super) fn serve(
     stranger: Count,
     shared: &Shared,
 ) -> io::Result<()> {
-    let (frames, waiting) = sync_channel(WAITING_MAX);
-    let out = Outbox { frames, stream: Arc::new(stream.try_clone()?) };
+    let (out, waiting) = Outbox::new(Way::Page(Arc::new(stream.try_clone()?)));
     let deadline = Rc::clone(&reader.deadline);
     deadline.set(Instant::now() + PATIENCE);
     reader.out = Some(out.clone());

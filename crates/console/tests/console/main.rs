@@ -11,6 +11,7 @@ mod idle_hour;
 mod load;
 mod many;
 mod other_side;
+mod program;
 mod pulsed_servos;
 mod recording;
 mod replay;

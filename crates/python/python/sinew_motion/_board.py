@@ -68,6 +68,10 @@ class Board:
     Nothing moves before ``arm``. Errors of the board raise ``BoardError``, wrong input raises ``ValueError``. If Ctrl-C
     ends a motion, the rig holds until the block ends.
 
+    A console's board is moved by the rules for its pages: only who has the wheel arms and moves the rig. ``open`` takes
+    the wheel if nobody drives; ``take`` and ``release`` take and release it. If this program dies, the rig holds, at
+    the latest after 2 s. At the end of the block, the rig is stopped only if this program has the wheel.
+
     Methods can be called from several threads. ``hold``, ``stop``, ``estop`` and ``close`` end what runs, and refuse
     the motions that wait. Other terminals stop the rig, too: ``sinew stop``, ``sinew estop``, ``Console``. Then the
     rig moves again only after ``clear`` and ``arm``.
@@ -91,7 +95,8 @@ class Board:
         Parameters
         ----------
         target : ``"sim"`` for a simulated board with ``rig``, ``"sim:arm.toml"`` for a simulated board with the rig in
-            this file; or the serial port of a board that has ``rig``
+            this file; the serial port of a board that has ``rig``; ``"console"`` for the board of this user's only
+            running console, or ``"console:NAME"``
         rig : the rig of the board; omitted for ``"sim:FILE"``
         servos : kinds of servos for joints without servos, as for ``sinew play --servo``
 
@@ -106,6 +111,10 @@ class Board:
         Traceback (most recent call last):
             ...
         ValueError: rig: expected the rig of the board, or "sim:FILE"
+        >>> Board.open("console:no-port", Rig.arm(2))  # doctest: +ELLIPSIS
+        Traceback (most recent call last):
+            ...
+        sinew_motion.BoardError: there is no console `no-port`: ...
         """
         text = os.fspath(target)
         kind, _, file = text.partition(":")
@@ -115,8 +124,9 @@ class Board:
             rig = Rig.load(file)
         if rig is None:
             raise ValueError('rig: expected the rig of the board, or "sim:FILE"')
-        port = None if kind == "sim" else text
-        return cls(_native.open_board(rig._native, port, list(servos)), rig)
+        console = file if kind == "console" else None
+        port = None if kind in ("sim", "console") else text
+        return cls(_native.open_board(rig._native, port, console, list(servos)), rig)
 
     def __enter__(self) -> Board:
         return self
@@ -177,11 +187,14 @@ class Board:
         """
         self._native.goto(row("q", q), float(duration))
 
-    def live(self, q: npt.ArrayLike) -> None:
+    def live(self, q: npt.ArrayLike) -> Array:
         """Sends a pose that the rig shall follow. Call it at least ten times a second; otherwise the rig holds.
 
-        The controller limits speeds: a far pose is reached later. Joints that follow others go where their leaders
-        put them.
+        The controller limits speeds: a far pose is reached later.
+
+        Returns
+        -------
+        (nq,): the pose that was sent, in which joints that follow others are where their leaders put them.
 
         Raises
         ------
@@ -195,12 +208,12 @@ class Board:
         ...     board.arm()
         ...     q = board.state().q
         ...     for _ in range(20):
-        ...         board.live(q)
+        ...         sent = board.live(q)
         ...         time.sleep(0.02)
         ...     board.state().state
         'playing'
         """
-        self._native.live(row("q", q))
+        return np.array(self._native.live(row("q", q)))
 
     def upload(self, show: Show) -> None:
         """Uploads a show if the board does not have it. A board stores shows only while torque is off.
@@ -279,6 +292,27 @@ class Board:
         """
         self._native.clear()
 
+    def take(self) -> None:
+        """Takes the wheel of a console. Does nothing for a board without a console, which this program has alone.
+
+        Raises
+        ------
+        BoardError
+            If a page or another program drives. It is asked to release the wheel, which this program then gets.
+
+        >>> with Board.open("sim", Rig.arm(2)) as board:
+        ...     board.take()
+        """
+        self._native.wheel(True)
+
+    def release(self) -> None:
+        """Releases the wheel of a console, so that a page can drive. The rig holds. Without a console, does nothing.
+
+        >>> with Board.open("sim", Rig.arm(2)) as board:
+        ...     board.release()
+        """
+        self._native.wheel(False)
+
     def state(self) -> BoardState:
         """Returns the state of the rig.
 
@@ -306,7 +340,8 @@ class Board:
 class Console:
     """A running ``sinew console``, which has a board and accepts some commands from other programs.
 
-    ``open`` finds the console. The commands move an armed rig; only the console's page can arm the rig.
+    ``open`` finds the console. The commands move an armed rig while nothing else moves it, without the wheel.
+    ``Board.open("console", rig)`` drives the rig as a page does.
     """
 
     def __init__(self, native: _native.NativeConsole) -> None:

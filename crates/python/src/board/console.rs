@@ -15,8 +15,13 @@ pub(crate) struct NativeConsole {
 /// Finds a running console by its name; without a name, the only running console.
 #[pyfunction]
 pub(crate) fn open_console(name: Option<String>) -> PyResult<NativeConsole> {
+    Ok(NativeConsole { name: find(name)? })
+}
+
+/// Returns the name of a running console: the given name, or that of the only running console.
+pub(super) fn find(name: Option<String>) -> PyResult<String> {
     let mut names = consoles();
-    let name = match name {
+    Ok(match name {
         Some(name) if names.contains(&name) => name,
         Some(name) => {
             let running = if names.is_empty() { "none runs".to_owned() } else { names.join(", ") };
@@ -28,8 +33,7 @@ pub(crate) fn open_console(name: Option<String>) -> PyResult<NativeConsole> {
         None => names
             .pop()
             .ok_or_else(|| BoardError::new_err("no console runs: `sinew console` starts one"))?,
-    };
-    Ok(NativeConsole { name })
+    })
 }
 
 impl NativeConsole {

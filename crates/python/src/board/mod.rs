@@ -5,6 +5,8 @@ mod console;
 mod inbox;
 mod open;
 mod order;
+mod pose;
+mod remote;
 mod session;
 
 use std::path::PathBuf;
@@ -25,6 +27,7 @@ use crate::error::value;
 use crate::rig::NativeRig;
 use crate::show::NativeShow;
 use inbox::Inbox;
+use open::Target;
 use order::{Asked, Cancel, Order, Reply};
 
 pub(crate) use console::{NativeConsole, open_console};
@@ -53,25 +56,33 @@ pub(crate) struct NativeBoard {
     nq: usize,
 }
 
-/// Opens the board at a port, or a simulated board.
+/// Opens the board at a port, that of a console (an empty name: the only console), or a simulated board.
 #[pyfunction]
 pub(crate) fn open_board(
     py: Python<'_>,
     rig: PyRef<'_, NativeRig>,
     port: Option<PathBuf>,
+    console: Option<String>,
     servos: Vec<String>,
 ) -> PyResult<NativeBoard> {
     let servos = servos
         .iter()
         .map(|text| text.parse::<ServoChoice>().map_err(value))
         .collect::<PyResult<Vec<_>>>()?;
+    let target = match (console, port) {
+        (Some(name), _) => {
+            Target::Console(console::find(Some(name).filter(|name| !name.is_empty()))?)
+        }
+        (None, Some(port)) => Target::Port(port),
+        (None, None) => Target::Simulated,
+    };
     let nq = rig.loaded.mechanism.coordinate_count();
     let loaded = (*rig.loaded).clone();
     let (orders, inbox) = channel();
     let (opened, open) = sync_channel(1);
     let serve = move || {
         let tell = opened.clone();
-        let served = open::serve(loaded, port, &servos, Inbox::new(inbox), move || {
+        let served = open::serve(loaded, target, &servos, Inbox::new(inbox), move || {
             let _ = tell.send(Ok(Reply::Done));
         });
         if let Err(error) = served {
@@ -148,6 +159,10 @@ fn wait(
     }
 }
 
+fn wide(numbers: Vec<f32>) -> Vec<f64> {
+    numbers.into_iter().map(f64::from).collect()
+}
+
 /// Returns a duration of s.
 fn duration(name: &str, seconds: f64) -> PyResult<Duration> {
     if (0.0..=3600.0).contains(&seconds) {
@@ -175,8 +190,11 @@ impl NativeBoard {
         self.done(py, order)
     }
 
-    fn live(&self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>) -> PyResult<()> {
-        self.done(py, Order::Live { q: self.pose(&q)? })
+    fn live(&self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f64>> {
+        let Reply::Sent(sent) = self.ask(py, Order::Live { q: self.pose(&q)? })? else {
+            return Err(BoardError::new_err("the pose that was sent is not known"));
+        };
+        Ok(wide(sent))
     }
 
     fn play(&self, py: Python<'_>, show: PyRef<'_, NativeShow>, rounds: u32) -> PyResult<()> {
@@ -212,11 +230,14 @@ impl NativeBoard {
         self.done(py, Order::Clear)
     }
 
+    fn wheel(&self, py: Python<'_>, take: bool) -> PyResult<()> {
+        self.done(py, Order::Wheel { take })
+    }
+
     fn state(&self, py: Python<'_>) -> PyResult<StateRow> {
         let Reply::State(state) = self.ask(py, Order::State)? else {
             return Err(BoardError::new_err("the state is not known"));
         };
-        let wide = |numbers: Vec<f32>| numbers.into_iter().map(f64::from).collect();
         Ok((
             state.name,
             wide(state.q),

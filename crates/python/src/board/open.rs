@@ -19,6 +19,7 @@ use sinew_servo_sim::plant::RigPlant;
 
 use super::inbox::Inbox;
 use super::order::Order;
+use super::remote::Remote;
 use super::session::Session;
 
 /// Stack of the simulated board, bytes.
@@ -31,11 +32,19 @@ const TURN: Duration = Duration::from_millis(4);
 /// Number of simulated boards of this process.
 static SIMULATED: AtomicU32 = AtomicU32::new(1);
 
-/// Opens the board at a port, or simulates one, and executes orders until the session is closed. `opened` is called
+/// The place of a board.
+pub(super) enum Target {
+    Simulated,
+    Port(PathBuf),
+    /// The name of a running console.
+    Console(String),
+}
+
+/// Opens a board, or simulates one, and executes orders until the session is closed. `opened` is called
 /// when the board answers.
 pub(super) fn serve(
     mut rig: LoadedRig,
-    port: Option<PathBuf>,
+    target: Target,
     servos: &[ServoChoice],
     inbox: Inbox,
     opened: impl FnOnce(),
@@ -47,30 +56,49 @@ pub(super) fn serve(
     let options = Options { is_of_board: true, ..Options::default() };
     let parts =
         RigParts::new(&rig.description, &rig.mechanism, options).with_context(|| name.clone())?;
-    let Some(path) = port else {
-        return thread::scope(|scope| {
-            let (line, end) = pipe();
-            let builder = thread::Builder::new().name("simulated".to_owned());
-            let simulate = || simulate(&rig, &parts, end);
-            let simulated = builder.stack_size(STACK_BYTES).spawn_scoped(scope, simulate)?;
-            let served = Board::connect(line, nonce(), PATIENCE).map_err(Into::into);
-            let served = served.and_then(|mut board| {
-                let number = SIMULATED.fetch_add(1, Ordering::Relaxed);
-                let name = format!("simulated-{}-{number}", std::process::id());
-                obey((&mut board, &name), (&rig, &parts), inbox, opened)
-            });
-            // The line is closed, so the simulated board ends. If the board failed to start, its error is returned.
-            simulated.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-            served
-        });
+    let path = match target {
+        Target::Port(path) => path,
+        Target::Console(name) => {
+            return Remote::open(&name, (&rig.mechanism, parts.rig_crc()), inbox)?.serve(opened);
+        }
+        Target::Simulated => return serve_simulated(&rig, &parts, inbox, opened),
     };
     let mut board = port::open(&path, &|| ())?;
-    let (here, own) = (board.about().rig, parts.rig_crc());
+    check_rig(board.about().rig, parts.rig_crc())?;
+    obey((&mut board, &name_of_port(&path)), (&rig, &parts), inbox, opened)
+}
+
+/// Fails if a board has another rig.
+pub(super) fn check_rig(here: u32, own: u32) -> anyhow::Result<()> {
     ensure!(
         here == own,
         "the board has rig {here:08x}, the given one is {own:08x}: `sinew board upload rig FILE --port PORT` uploads it"
     );
-    obey((&mut board, &name_of_port(&path)), (&rig, &parts), inbox, opened)
+    Ok(())
+}
+
+/// Simulates a board, and executes orders.
+fn serve_simulated(
+    rig: &LoadedRig,
+    parts: &RigParts,
+    inbox: Inbox,
+    opened: impl FnOnce(),
+) -> anyhow::Result<()> {
+    thread::scope(|scope| {
+        let (line, end) = pipe();
+        let builder = thread::Builder::new().name("simulated".to_owned());
+        let simulate = || simulate(rig, parts, end);
+        let simulated = builder.stack_size(STACK_BYTES).spawn_scoped(scope, simulate)?;
+        let served = Board::connect(line, nonce(), PATIENCE).map_err(Into::into);
+        let served = served.and_then(|mut board| {
+            let number = SIMULATED.fetch_add(1, Ordering::Relaxed);
+            let name = format!("simulated-{}-{number}", std::process::id());
+            obey((&mut board, &name), (rig, parts), inbox, opened)
+        });
+        // The line is closed, so the simulated board ends. If the board failed to start, its error is returned.
+        simulated.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        served
+    })
 }
 
 fn simulate(rig: &LoadedRig, parts: &RigParts, end: BoardEnd) -> anyhow::Result<()> {
@@ -115,6 +143,6 @@ fn obey<L: Line>(
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "converts an error at its end")]
-fn text(error: anyhow::Error) -> String {
+pub(super) fn text(error: anyhow::Error) -> String {
     format!("{error:#}")
 }

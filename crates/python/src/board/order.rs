@@ -1,9 +1,12 @@
 //! Orders to a board, and their replies.
 
+use std::f32::consts::PI;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
+
+use sinew_link::message::{Servo, Summary};
 
 use super::FaultRow;
 
@@ -51,6 +54,10 @@ pub(super) enum Order {
     Stop,
     EStop,
     Clear,
+    /// Takes or releases the wheel of a console.
+    Wheel {
+        take: bool,
+    },
     State,
     Faults,
     /// Stops the rig, and ends the session.
@@ -101,6 +108,8 @@ impl Order {
 #[derive(Debug)]
 pub(super) enum Reply {
     Done,
+    /// The pose that was sent.
+    Sent(Vec<f32>),
     State(Box<RigState>),
     Faults(Vec<FaultRow>),
 }
@@ -117,4 +126,19 @@ pub(super) struct RigState {
     pub(super) error_rad: f32,
     /// Temperature in degC, and heat in percent of its maximum, for each servo.
     pub(super) servos: Vec<(Option<i8>, u8)>,
+}
+
+impl RigState {
+    pub(super) fn new(summary: &Summary, q: Vec<f32>, effort: Vec<f32>, servos: &[Servo]) -> Self {
+        let error = summary.errors.map_or(f32::NAN, |errors| errors.largest_deg * PI / 180.0);
+        Self {
+            name: summary.state.to_string(),
+            q,
+            effort,
+            supply_v: summary.supply_v,
+            show_ms: summary.show_ms,
+            error_rad: error,
+            servos: servos.iter().map(|of| (of.temperature_c, of.heat_percent)).collect(),
+        }
+    }
 }

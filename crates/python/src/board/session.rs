@@ -1,6 +1,5 @@
 //! Orders on a session: what a person does with the console's page. Other terminals can stop the rig meanwhile.
 
-use std::f32::consts::PI;
 use std::time::Duration;
 
 use anyhow::{Context as _, bail, ensure};
@@ -12,14 +11,12 @@ use sinew_link::message::{
     Command, FaultRecord, Feed, Kind, LiveFrame, POSE_MAX, Refusal, State, Stream, TelemetryParts,
 };
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::JointModel;
 use sinew_show::Show;
-
-use crate::arrays::single;
 
 use super::FaultRow;
 use super::inbox::Inbox;
 use super::order::{Order, Reply, RigState, Urgency};
+use super::pose::followed;
 
 /// Requested telemetry rate, Hz.
 const RATE_HZ: f32 = 30.0;
@@ -34,8 +31,6 @@ const AGAIN: Duration = Duration::from_millis(100);
 const STOP_MOST: Duration = Duration::from_mins(1);
 /// Share of the maximum speed that a motion to a pose uses, so that the board's own limit does not act.
 const SHARE: f32 = 0.7;
-/// Permitted distance beyond a range, rad or m, which rounding may cause.
-const ROUNDING: f64 = 1e-5;
 /// Largest distance of each coordinate from its goal at which a pose counts as reached, rad or m.
 const THERE: f32 = 3e-3;
 /// Reason why nothing moves after a stop by another terminal.
@@ -125,7 +120,7 @@ impl<'a, L: Line> Session<'a, L> {
         match order {
             Order::Arm => self.arm()?,
             Order::Goto { q, least } => self.goto(&q, least)?,
-            Order::Live { q } => self.follow(&q)?,
+            Order::Live { q } => return Ok(Reply::Sent(self.follow(&q)?)),
             Order::Play { bytes, rounds } => self.play(&bytes, rounds)?,
             Order::Upload { bytes } => {
                 self.put_show(&bytes)?;
@@ -134,6 +129,8 @@ impl<'a, L: Line> Session<'a, L> {
             Order::Stop | Order::Close => self.stop()?,
             Order::EStop => self.ask(Command::EStop)?,
             Order::Clear => self.clear()?,
+            // Without a console, the program has the board alone.
+            Order::Wheel { .. } => {}
             Order::State => return Ok(Reply::State(Box::new(self.state()?))),
             Order::Faults => {
                 let records = self.board().fault_log()?;
@@ -229,16 +226,6 @@ impl<'a, L: Line> Session<'a, L> {
         }
     }
 
-    /// Returns the pose with all joints that follow another one where their leaders put them. Fails if a joint is
-    /// outside its range.
-    fn followed(&self, q: &[f32]) -> anyhow::Result<Vec<f32>> {
-        let mut followed: Vec<f64> = q.iter().copied().map(f64::from).collect();
-        self.mechanism.ties().follow(&mut followed);
-        let followed: Vec<f32> = followed.into_iter().map(single).collect();
-        self.check(&followed)?;
-        Ok(followed)
-    }
-
     /// Fails if the pose that the board commands is not the goal of a motion.
     fn check_reached(&self, commanded: Option<&[f32]>, goal: &[f32]) -> anyhow::Result<()> {
         let commanded = commanded.context(
@@ -258,25 +245,6 @@ impl<'a, L: Line> Session<'a, L> {
         Ok(())
     }
 
-    /// Refuses a pose outside the ranges of the joints.
-    fn check(&self, q: &[f32]) -> anyhow::Result<()> {
-        let ranges = self.mechanism.coordinate_ranges();
-        for (link, range) in self.mechanism.bodies.iter().zip(ranges) {
-            if matches!(link.joint, JointModel::Spherical | JointModel::Free) {
-                continue;
-            }
-            for (number, [least, most]) in q[range].iter().zip(&link.ranges) {
-                let number = f64::from(*number);
-                ensure!(
-                    (least - ROUNDING..=most + ROUNDING).contains(&number),
-                    "`{}`: expected {least:.4} to {most:.4}, found {number:.4}",
-                    link.joint_name
-                );
-            }
-        }
-        Ok(())
-    }
-
     fn send(&mut self, q: &[f32]) -> anyhow::Result<()> {
         ensure!(
             q.len() <= POSE_MAX,
@@ -289,7 +257,7 @@ impl<'a, L: Line> Session<'a, L> {
     }
 
     fn goto(&mut self, q: &[f32], least: Duration) -> anyhow::Result<()> {
-        let q = &self.followed(q)?[..];
+        let q = &followed(self.mechanism, q)?[..];
         let state = self.fresh_state()?;
         ensure!(state == State::Holding, "the rig is {state}: `arm` makes it hold");
         let from = self.commanded();
@@ -341,9 +309,9 @@ impl<'a, L: Line> Session<'a, L> {
         }
     }
 
-    /// Sends a live pose. Fails if the board no longer follows live poses.
-    fn follow(&mut self, q: &[f32]) -> anyhow::Result<()> {
-        let q = self.followed(q)?;
+    /// Sends a live pose, and returns it. Fails if the board no longer follows live poses.
+    fn follow(&mut self, q: &[f32]) -> anyhow::Result<Vec<f32>> {
+        let q = followed(self.mechanism, q)?;
         self.send(&q)?;
         if let Some(before) = self.live {
             let state = self.hosted.board().state().unwrap_or(State::Off);
@@ -354,13 +322,13 @@ impl<'a, L: Line> Session<'a, L> {
                     "the rig holds: it got no live pose in time; `live` follows again from now on"
                 );
             }
-            return Ok(());
+            return Ok(q);
         }
         let begun = *self.live_begun.get_or_insert(self.now());
         if self.is_followed(begun)? {
             self.live = Some(self.log().summaries);
         }
-        Ok(())
+        Ok(q)
     }
 
     fn play(&mut self, bytes: &[u8], rounds: u32) -> anyhow::Result<()> {
@@ -446,17 +414,9 @@ impl<'a, L: Line> Session<'a, L> {
             self.wait(EVERY)?;
         }
         let summary = self.log().summary.context("the controller sends no telemetry")?;
-        let log = &self.log();
-        let error = summary.errors.map_or(f32::NAN, |errors| errors.largest_deg * PI / 180.0);
-        Ok(RigState {
-            name: summary.state.to_string(),
-            q: log.q.clone(),
-            effort: log.dofs.iter().map(|dof| dof.effort).collect(),
-            supply_v: summary.supply_v,
-            show_ms: summary.show_ms,
-            error_rad: error,
-            servos: log.servos.iter().map(|of| (of.temperature_c, of.heat_percent)).collect(),
-        })
+        let log = self.log();
+        let efforts = log.dofs.iter().map(|dof| dof.effort).collect();
+        Ok(RigState::new(&summary, log.q.clone(), efforts, &log.servos))
     }
 }
 
@@ -477,7 +437,7 @@ fn known(number: u8) -> Option<Fault> {
     Fault::ALL.into_iter().find(|fault| fault.number() == number)
 }
 
-fn fault_row(record: &FaultRecord) -> FaultRow {
+pub(super) fn fault_row(record: &FaultRecord) -> FaultRow {
     let fault = known(record.fault);
     let (when, remedy) = fault.map_or(("", ""), |fault| (fault.when(), fault.remedy()));
     (
