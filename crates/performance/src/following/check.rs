@@ -91,7 +91,7 @@ impl FollowingCheck {
     }
 
     /// Returns the largest bound of all dofs; `None` if a dof has no bound.
-    fn bound(&self, report: &Report) -> Option<LargestError> {
+    pub(super) fn bound(&self, report: &Report) -> Option<LargestError> {
         let bounds = self.lags.iter().map(|lag| {
             let error = lag.bound(&report.peaks[lag.dof])?;
             Some(LargestError { dof: lag.dof, error, at_s: None })
@@ -101,7 +101,11 @@ impl FollowingCheck {
     }
 
     /// Plays a show once, without faults by following errors.
-    fn played(&self, bytes: &[u8], limit: FollowingSettings) -> anyhow::Result<Prediction> {
+    pub(super) fn played(
+        &self,
+        bytes: &[u8],
+        limit: FollowingSettings,
+    ) -> anyhow::Result<Prediction> {
         let Self { rig, mechanism, parts, .. } = self;
         let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
         let plant = parts.plant(rig, mechanism)?;

@@ -12,6 +12,8 @@ mod check;
 mod lag;
 mod prediction;
 mod speeds;
+#[cfg(test)]
+mod tests;
 
 pub use check::{Allowance, FollowingCheck};
 pub use lag::{ServoLag, servo_lags};

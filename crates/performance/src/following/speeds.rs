@@ -1,6 +1,6 @@
 //! Speeds that the servos of a rig cannot follow.
 
-use sinew_retarget::feasibility::{Efforts, Instant, Kind};
+use sinew_retarget::feasibility::{Efforts, Instant};
 
 use sinew_rig::mechanism::Link;
 use sinew_rig::review::{Finding, Review, Severity};
@@ -8,6 +8,7 @@ use sinew_rig::review::{Finding, Review, Severity};
 use super::lag::{ServoLag, servo_lags};
 use crate::play::{Options, RigParts};
 use crate::rig::LoadedRig;
+use crate::text;
 
 /// A dof whose servos close their own loop, with the largest speed that they follow.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +75,7 @@ impl FollowedSpeed {
 
     /// Returns the finding that the servos do not carry the rig, if so.
     pub fn finding(&self) -> Option<Finding> {
-        let error = Kind::Following.shown(self.slides, self.error);
+        let error = text::change(self.slides, self.error);
         let (severity, pose) = match self {
             Self { sags_at_home: true, .. } => (Severity::Fault, "the home pose"),
             Self { sags: true, .. } => (Severity::Warning, "the pose with the largest gravity"),

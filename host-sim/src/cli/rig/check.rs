@@ -9,7 +9,7 @@ use comfy_table::Table;
 use sinew_host_util::command::{print, table};
 use sinew_performance::following::FollowedSpeed;
 use sinew_performance::rig::{LoadedRig, review};
-use sinew_retarget::feasibility::Kind;
+use sinew_performance::text;
 use sinew_rig::review::{Loop, Review, Severity, Stability, shown};
 use sinew_servo_tools::position_gain::{PositionGain, position_gains};
 
@@ -156,8 +156,8 @@ fn json(name: &str, notes: &[String], results: &Results<'_>) -> anyhow::Result<S
         followed_speeds: Vec<Followed<'a>>,
     }
     let Results { review, gains: position_gains, speeds } = *results;
-    let followed = |of: &'_ FollowedSpeed| Followed { joint: &of.joint, speed: of.most };
-    let followed_speeds = speeds.iter().map(followed).collect();
+    let followed_speeds =
+        speeds.iter().map(|of| Followed { joint: &of.joint, speed: of.most }).collect();
     let schema = "sinew-rig-check/1";
     let object = Object { schema, name, notes, review, position_gains, followed_speeds };
     Ok(serde_json::to_string_pretty(&object)? + "\n")
@@ -203,7 +203,7 @@ fn words(name: &str, mechanism: &sinew_rig::Mechanism, results: &Results<'_>) ->
         line(format_args!(
             "Joints by position: the largest speed that their servos follow for long, under the largest gravity and\n\
              friction. A faster show ends as soon as it is {} behind for long enough: `sinew bake` predicts this.",
-            Kind::Following.shown(first.slides, first.error)
+            text::change(first.slides, first.error)
         ));
         line(format_args!("{}\n", speed_table(speeds)));
     }
