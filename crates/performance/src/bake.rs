@@ -86,6 +86,28 @@ pub enum BakeError {
         /// Limit of the rig.
         limit: f64,
     },
+    /// The show cannot be judged.
+    #[error(transparent)]
+    Judge(anyhow::Error),
+    /// A servo that closes its own loop stays behind, although the motion was fitted again several times.
+    #[error(
+        "`{joint}`: its servo would be {} behind at {time_s:.2} s of the fitted show, and a fit allows {}: a lower speed \
+         limit in rig.toml, a stronger or stiffer servo, or less weight helps",
+        Kind::Following.shown(*slides, *value),
+        Kind::Following.shown(*slides, *limit)
+    )]
+    Behind {
+        /// Name of the dof.
+        joint: String,
+        /// Whether the dof slides.
+        slides: bool,
+        /// Predicted following error, rad or m.
+        value: f64,
+        /// Limit of a fit, rad or m.
+        limit: f64,
+        /// Time in the show, s.
+        time_s: f64,
+    },
 }
 
 /// A show of a rig's motion.
@@ -230,7 +252,8 @@ impl Baker<'_> {
 
     /// Makes a show of a fitted motion. The show keeps all limits in spite of rounding: if it exceeds a limit, it is
     /// brought nearer to the motion; if it still exceeds the limit, the motion is fitted again with tighter limits.
-    /// `given`: the motion before the fit; `of_fit`: returns the motion and the marks of a fit.
+    /// `given`: the motion before the fit; `judge`: adds what else a show within all limits exceeds to its report;
+    /// `of_fit`: returns the motion and the marks of a fit.
     ///
     /// # Errors
     /// [`BakeError`] if there is no such show.
@@ -239,16 +262,20 @@ impl Baker<'_> {
         limits: &Limits,
         given: &RigMotion,
         mut fitted: Fit,
+        mut judge: impl FnMut(&Baked, &mut Report) -> anyhow::Result<()>,
         of_fit: impl Fn(&Fit) -> Result<(Cow<'_, RigMotion>, ShowMarks), BakeError>,
     ) -> Result<(Fit, Baked, Report), BakeError> {
         let settings = fitted.settings;
         let mut tight = limits.clone();
         let mut fits = 0;
         loop {
-            let (baked, report) = {
+            let (baked, mut report) = {
                 let (motion, marks) = of_fit(&fitted)?;
                 self.bake_near(limits, &motion, &marks)?
             };
+            if report.excesses.is_empty() {
+                judge(&baked, &mut report).map_err(BakeError::Judge)?;
+            }
             let Some(worst) = report.excesses.first() else { return Ok((fitted, baked, report)) };
             loop {
                 if fits == FITS {
@@ -329,7 +356,7 @@ impl Baker<'_> {
             Kind::Effort => supports(joint, *other) || supports(*other, joint),
             Kind::Speed | Kind::Acceleration => joint == *other,
             // A fit leaves a margin for errors of positions, and a short error does not heat a servo.
-            Kind::Range | Kind::LinkedRange | Kind::Heat => false,
+            Kind::Range | Kind::LinkedRange | Kind::Heat | Kind::Following => false,
         };
         (0..self.mechanism.bodies.len()).filter(is_cause)
     }
@@ -399,7 +426,10 @@ impl<'a> Content<'a> {
 fn rounded(limits: &Limits, worst: &Excess) -> BakeError {
     let dof = &limits.dofs[worst.dof];
     let (joint, slides) = (dof.name.clone(), dof.slides);
-    let Excess { kind, value, limit, .. } = *worst;
+    let Excess { kind, value, limit, worst_s, .. } = *worst;
+    if kind == Kind::Following {
+        return BakeError::Behind { joint, slides, value, limit, time_s: worst_s };
+    }
     BakeError::Rounded { joint, slides, kind, value, limit }
 }
 

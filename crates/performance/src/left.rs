@@ -86,8 +86,9 @@ pub(super) fn lines(all: &[JointLeft]) -> String {
     for JointLeft { name, way, alike } in all.iter().filter(|joint| !joint.is_whole()) {
         let _ = writeln!(
             out,
-            "left of {name}: {:.0} % of its way, correlation {alike:.2} with what was meant",
-            100.0 * way
+            "left of {name}: {:.0} % of its way, correlation {} with what was meant",
+            100.0 * way,
+            shown(*alike)
         );
     }
     out
@@ -113,7 +114,8 @@ pub(super) fn headline(
         .iter()
         .filter(|joint| joint.is_far())
         .map(|joint| {
-            format!("{} ({:.0} %, correlation {:.2})", joint.name, 100.0 * joint.way, joint.alike)
+            let alike = shown(joint.alike);
+            format!("{} ({:.0} %, correlation {alike})", joint.name, 100.0 * joint.way)
         })
         .collect();
     let far =
@@ -161,9 +163,13 @@ fn correlation(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
         }
     }
     let both = (of_a * of_b).sqrt();
-    let alike = if both > 1e-12 { cross / both } else { 0.0 };
-    // Without this, a small negative correlation is printed as -0.00.
-    if alike.abs() < 0.005 { 0.0 } else { alike }
+    if both > 1e-12 { cross / both } else { 0.0 }
+}
+
+/// Formats a correlation with two decimals, and zero without a sign.
+fn shown(alike: f64) -> String {
+    let alike = if alike.abs() < 0.005 { 0.0 } else { alike };
+    format!("{alike:.2}")
 }
 
 #[cfg(test)]

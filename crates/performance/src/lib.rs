@@ -15,6 +15,7 @@
 
 mod bake;
 mod clip;
+pub mod following;
 mod layers;
 mod left;
 mod likeness;
@@ -25,6 +26,7 @@ mod retargeted_clip;
 pub mod rig;
 mod rig_clip;
 mod rig_performance;
+mod rounding;
 mod table;
 pub mod teach;
 pub mod text;

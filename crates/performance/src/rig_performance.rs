@@ -10,17 +10,20 @@ use sinew_retarget::feasibility::{
     looped, rate_at_rows,
 };
 use sinew_retarget::mapping::Mapping;
-use sinew_rig::Mechanism;
 use sinew_rig::review::Servos;
+use sinew_rig::{Description, Mechanism};
 use sinew_show::TimeCode;
 use sinew_show::write::Settings;
 
 use super::bake::{BakeError, Baked, Baker, CHECK_HZ, ShowMarks, ShowPlayback, course};
+use super::following::{Allowance, FollowingCheck, Prediction};
 use super::left::{JointLeft, headline};
 use super::likeness::{Likeness, helps, way_share};
+use super::play::Options;
 use super::retargeted_clip::RetargetedClip;
 use super::rig::LoadedRig;
-use super::table::fitted;
+use super::rounding::is_rounding;
+use super::table::{self, fitted};
 
 /// Lowest rate of the check that finds which changes of the rig would preserve more of a motion, Hz.
 const HELP_HZ: f64 = 100.0;
@@ -34,6 +37,8 @@ pub struct MotionChoices {
     pub keep_time: bool,
     /// Length of the blend of a loop's end into its start, s; `None`: no loop.
     pub loop_blend_s: Option<f64>,
+    /// How the servos will be driven: following errors are predicted for servos in position mode.
+    pub driven: Options,
 }
 
 /// Choices for a show.
@@ -63,6 +68,11 @@ pub struct RigPerformance {
     pub looped: Option<LoopedMotion>,
     /// The fitted motion; `None` if no fit was chosen.
     pub fit: Option<Fit>,
+    /// Predicted following errors of the baked show; `None` before it is baked, and if no servo closes its own loop and
+    /// reports its position.
+    pub predicted: Option<Prediction>,
+    /// The rig, and how it is driven.
+    played: (Description, Options),
     loop_blend_s: Option<f64>,
 }
 
@@ -104,7 +114,9 @@ impl RigPerformance {
             })
             .transpose()
             .with_context(on_rig)?;
-        Ok(Self { name: name.to_owned(), start_s, clip, limits, looped, fit, loop_blend_s })
+        let (name, predicted) = (name.to_owned(), None);
+        let played = (rig.description.clone(), choices.driven);
+        Ok(Self { name, start_s, clip, limits, looped, fit, predicted, played, loop_blend_s })
     }
 
     /// Bakes the motion as a show, and checks the show against the rig's limits. A fitted motion is fitted again if
@@ -123,14 +135,35 @@ impl RigPerformance {
         let marks = |cues, course| ShowMarks { cues, time_code, course, is_loop };
         // Cues outside the clip are refused before the work.
         let cues = self.cues(None, choices.cues)?;
+        let (rig, driven) = &self.played;
+        let following = FollowingCheck::new(rig, mechanism, *driven, rig_crc)?;
         let Some(fit) = self.fit.take() else {
             let baked = baker.bake(&self.clip.motion, &marks(cues, Vec::new()))?;
             let played = ShowPlayback::new(&baked.written.bytes)?;
-            let report = check(mechanism, &self.limits, &played, CHECK_HZ)?;
+            let mut report = check(mechanism, &self.limits, &played, CHECK_HZ)?;
+            let rounding = &baked.written.rounding;
+            report
+                .excesses
+                .retain(|excess| !is_rounding(mechanism, &self.limits, rounding, excess));
+            if let Some(following) = &following {
+                let predicted =
+                    following.of(&baked.written.bytes, &report, Allowance::Supervisor)?;
+                report.add(predicted.excesses.iter().cloned());
+                self.predicted = Some(predicted);
+            }
             return Ok((baked, report));
         };
+        let mut predicted = None;
+        let judge = |baked: &Baked, report: &mut Report| {
+            if let Some(following) = &following {
+                let found = following.of(&baked.written.bytes, report, Allowance::Fit)?;
+                report.add(found.excesses.iter().cloned());
+                predicted = Some(found);
+            }
+            anyhow::Ok(())
+        };
         let (fit, baked, report) =
-            baker.bake_within(&self.limits, &self.clip.motion, fit, |fit| {
+            baker.bake_within(&self.limits, &self.clip.motion, fit, judge, |fit| {
                 let course = time_code.map(|code| course(fit, code)).unwrap_or_default();
                 let cues = self.cues(Some(fit), choices.cues).unwrap_or_default();
                 // A fit does not keep a loop closed: it may change one end a little more than the other. The loop is
@@ -142,6 +175,7 @@ impl RigPerformance {
                 Ok((motion, marks(cues, course)))
             })?;
         self.fit = Some(fit);
+        self.predicted = predicted;
         Ok((baked, report))
     }
 
@@ -181,6 +215,11 @@ impl RigPerformance {
     pub fn fit_summary(&self, mechanism: &Mechanism) -> Option<String> {
         let given_s = self.clip.motion.duration_s();
         self.fit.as_ref().map(|fit| fitted(&self.limits, fit, given_s, &self.left(mechanism)))
+    }
+
+    /// Returns the line about the predicted following errors; `None` without a prediction.
+    pub fn following_line(&self) -> Option<String> {
+        self.predicted.as_ref().map(|predicted| table::following(&self.limits, predicted))
     }
 
     /// Returns the headline of a fit; `None` without a fit, or if the change is not worth a headline.

@@ -7,6 +7,7 @@ use sinew_retarget::feasibility::{Excess, Fit, Limits, LoopedMotion, Report};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 
+use super::following::{LargestError, Prediction};
 use super::left::JointLeft;
 use super::{left, text};
 
@@ -158,6 +159,25 @@ pub(super) fn fitted(limits: &Limits, fit: &Fit, given_s: f64, left: &[JointLeft
         });
     }
     out
+}
+
+/// Describes the predicted following errors of a show.
+pub(super) fn following(limits: &Limits, predicted: &Prediction) -> String {
+    let LargestError { dof, error, at_s } = predicted.largest;
+    let slides = limits.dofs[dof].slides;
+    let shown = |x: f64| text::change(slides, x);
+    let most = shown(predicted.limit.most_rad.into());
+    let name = &limits.dofs[dof].name;
+    let at =
+        at_s.map_or_else(|| " by the bound of its servos".to_owned(), |s| format!(" at {s:.2} s"));
+    let stopped = predicted.stopped.as_ref();
+    let stopped =
+        stopped.map_or_else(String::new, |why| format!("; the simulated rig stopped: {why}"));
+    format!(
+        "Following error by position, predicted: at most {}, {name}{at}; {most} for {} s ends a show{stopped}.\n",
+        shown(error),
+        predicted.limit.time_s
+    )
 }
 
 /// Describes the changes that made a loop.

@@ -79,7 +79,9 @@ pub fn excess(slides: bool, excess: &Excess, rounding: [f64; 2]) -> String {
         let beyond = number(in_unit(slides, beyond));
         return format!("{value}{unit} of {limit}{unit}, {beyond}{unit} beyond{within}");
     }
-    let (value, limit) = (number(excess.value), number(excess.limit));
+    let shown =
+        |x: f64| number(if excess.kind == Kind::Following { in_unit(slides, x) } else { x });
+    let (value, limit) = (shown(excess.value), shown(excess.limit));
     if excess.limit > 0.0 {
         format!("{value} of {limit}{unit}, {:.0} %", 100.0 * excess.value / excess.limit)
     } else {

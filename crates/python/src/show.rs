@@ -135,7 +135,12 @@ pub(crate) fn bake(
         }
     };
     let rig = Arc::clone(&rig.loaded);
-    let choices = MotionChoices { fit: fit || keep_time, keep_time, loop_blend_s };
+    let choices = MotionChoices {
+        fit: fit || keep_time,
+        keep_time,
+        loop_blend_s,
+        ..MotionChoices::default()
+    };
     let settings = Settings { angle_rad: tolerance_rad, ..Settings::default() };
     in_background(py, None, move |_| {
         let mapping = mapping_of(mapping.as_deref())?;

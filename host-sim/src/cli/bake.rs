@@ -17,6 +17,7 @@ use sinew_show::write::Settings as ShowSettings;
 use sinew_show::{Show, TimeCode, TimeCodeKind};
 
 use super::clips::seconds;
+use super::driven::DriveArg;
 use super::output::OutputPath;
 use super::performance::{ON_STAND, PerformanceArgs};
 use super::sound;
@@ -62,6 +63,11 @@ pub(super) struct Args {
 
     #[command(flatten)]
     units: UnitArgs,
+
+    /// Quantity that servos will receive each tick. For servos that receive positions, the following error is predicted.
+    /// Default: `current` for servos that have a current mode, else `position`, as in `sinew play`.
+    #[arg(long, value_enum)]
+    drive: Option<DriveArg>,
 
     /// Maximum error of the encoded joint angles, in degrees.
     #[arg(long, value_name = "DEG", default_value_t = 0.25, value_parser = error)]
@@ -119,6 +125,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     let mut on_rig = args.on_rig.clone();
     on_rig.blend_s = args.is_loop.then_some(args.loop_blend_s);
     on_rig.has_clock = args.keeps_time();
+    on_rig.driven = DriveArg::options(args.drive);
     on_rig.layers.clone_from(&args.layer);
     let clip = match (&args.clip, args.layer.first()) {
         (Some(clip), _) => PathBuf::from(clip),
@@ -173,8 +180,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     }
     let rounding = [settings.angle_rad, settings.length_m];
     let text = feasibility(mechanism, &performance.limits, &report, rounding, strange.as_deref());
+    let behind = performance.following_line().unwrap_or_default();
     let done = done.map_or_else(String::new, |done| format!("\nFitted: {done}"));
-    print(&format!("{head}\n{text}{done}"))?;
+    print(&format!("{head}\n{text}{behind}{done}"))?;
     Ok(ExitCode::SUCCESS)
 }
 

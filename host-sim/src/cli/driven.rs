@@ -3,8 +3,9 @@
 use clap::ValueEnum;
 use sinew_performance::play::{Drive, Options};
 
+/// Quantity that servos receive each tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum DriveArg {
+pub(super) enum DriveArg {
     /// The current that gives the tracker's torque.
     Current,
     /// The duty cycle (PWM) that makes the current for the tracker's torque flow. The motor's winding adds damping.
@@ -13,6 +14,18 @@ enum DriveArg {
     /// The target position. The angle by which the expected torque, such as that of gravity, makes the servo sag is
     /// added in advance.
     Position,
+}
+
+impl DriveArg {
+    /// Returns the options for a loop in this program, with this drive if one is given.
+    pub(super) fn options(drive: Option<Self>) -> Options {
+        let drive = drive.map(|drive| match drive {
+            Self::Current => Drive::Current,
+            Self::Voltage => Drive::Voltage,
+            Self::Position => Drive::Position,
+        });
+        Options { drive, ..Options::default() }
+    }
 }
 
 /// Options that select how servos are driven.
@@ -51,12 +64,8 @@ impl DrivenArgs {
 
     /// Returns the options for a loop in this program.
     pub(super) fn here(self) -> Options {
-        let drive = self.drive.map(|drive| match drive {
-            DriveArg::Current => Drive::Current,
-            DriveArg::Voltage => Drive::Voltage,
-            DriveArg::Position => Drive::Position,
-        });
-        Options { drive, rate_hz: self.rate_hz, baud: self.baud, ..Options::default() }
+        let Self { drive, rate_hz, baud } = self;
+        Options { rate_hz, baud, ..DriveArg::options(drive) }
     }
 
     /// Returns the options for a loop on a board.

@@ -7,6 +7,7 @@ use anyhow::{Context as _, bail, ensure};
 use clap::ValueEnum;
 use sinew_host_util::command::note;
 use sinew_mocap::files::ClipFile;
+use sinew_performance::play::Options;
 use sinew_performance::rig::{LoadedRig, has_feet};
 use sinew_performance::text;
 use sinew_performance::{
@@ -88,6 +89,10 @@ pub(super) struct PerformanceArgs {
     /// Length of the blend of the motion's end into its start, s. Set if the motion becomes a loop.
     #[arg(skip)]
     pub(super) blend_s: Option<f64>,
+
+    /// How the servos will be driven.
+    #[arg(skip)]
+    pub(super) driven: Options,
 }
 
 /// Values of a command for options that are not given.
@@ -129,6 +134,7 @@ impl PerformanceArgs {
             fit: self.fits(),
             keep_time: self.keep_time.unwrap_or(self.has_clock),
             loop_blend_s: self.blend_s,
+            driven: self.driven,
         }
     }
 

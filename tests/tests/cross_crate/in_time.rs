@@ -73,7 +73,7 @@ fn loaded(description: Description, mechanism: Mechanism) -> LoadedRig {
 fn outcome(rig: &LoadedRig, clip: &PreparedClip, keep_time: bool) -> Result<Outcome, String> {
     let mechanism = &rig.mechanism;
     let retargeted = retarget_clip(mechanism, clip, None, false).unwrap();
-    let choices = MotionChoices { fit: true, keep_time, loop_blend_s: None };
+    let choices = MotionChoices { fit: true, keep_time, ..MotionChoices::default() };
     let name = &clip.clip.name;
     let performance = RigPerformance::new(rig, name, clip.start_s, retargeted, choices);
     let mut performance = performance.map_err(|error| format!("{error:#}"))?;

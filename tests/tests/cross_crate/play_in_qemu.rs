@@ -58,7 +58,8 @@ impl Case {
         let fitted = fit(&mechanism, &limits, &given, FitSettings::default()).unwrap();
         let baker =
             Baker { mechanism: &mechanism, rig: parts.rig_crc(), settings: Settings::default() };
-        let (_, baked, _) = baker.bake_within(&limits, &given, fitted, ShowMarks::of_none).unwrap();
+        let (_, baked, _) =
+            baker.bake_within(&limits, &given, fitted, |_, _| Ok(()), ShowMarks::of_none).unwrap();
         Self { rig, mechanism, parts, show: baked.written.bytes }
     }
 

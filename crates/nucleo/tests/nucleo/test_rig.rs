@@ -77,7 +77,8 @@ impl Rig {
             let taken = retarget_clip(baker.mechanism, &clip, None, false).unwrap().motion;
             let limits = Limits::of(baker.mechanism, &servos);
             let fitted = fit(baker.mechanism, &limits, &taken, FitSettings::default()).unwrap();
-            let baked = baker.bake_within(&limits, &taken, fitted, ShowMarks::of_none);
+            let baked =
+                baker.bake_within(&limits, &taken, fitted, |_, _| Ok(()), ShowMarks::of_none);
             baked.unwrap().1.written.bytes
         })
     }

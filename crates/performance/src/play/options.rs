@@ -4,7 +4,7 @@ use super::servo_part::Drive;
 
 /// Options for playing. Default: the default drive of each servo, and the highest usual rate for which the lines have
 /// time.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Options {
     /// Drive of the servos; `None`: the default of each servo.
     pub drive: Option<Drive>,

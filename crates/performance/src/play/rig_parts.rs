@@ -5,6 +5,7 @@ use sinew_firmware::controller::{
     Approach, ControllerSettings, ServoSetup, approach, estimated_us,
 };
 use sinew_firmware::node::NodeSettings;
+use sinew_firmware::supervisor::detect::FollowingSettings;
 use sinew_rig::description::{Servo, Supply as RigSupply};
 use sinew_rig::mechanism::JointModel;
 use sinew_rig::tracking::{ServoTracking, tracking};
@@ -167,6 +168,23 @@ impl RigParts {
         let dt_s = 1e-6 * self.tick_us() as f32;
         let mut frames = ShowFrames::<COORDINATES>::new(Show::open(show).ok()?, dt_s).ok()?;
         approach(&self.board, &self.settings.supervisor, &mut frames, dt_s, from)
+    }
+
+    /// Returns the controller's settings for a servo.
+    pub(crate) fn setup(&self, servo: usize) -> &ServoSetup {
+        &self.setups[servo]
+    }
+
+    /// Returns the limits of the following error.
+    pub(crate) fn following_limit(&self) -> FollowingSettings {
+        self.settings.following
+    }
+
+    /// Lets following errors be as large and as long as a setting may be, so that they end no show. Returns the limits
+    /// from before.
+    pub(crate) fn without_following_faults(&mut self) -> FollowingSettings {
+        let most = FollowingSettings { most_rad: 10.0, time_s: 10.0 };
+        std::mem::replace(&mut self.settings.following, most)
     }
 
     /// Returns the CRC by which shows identify this rig.

@@ -87,7 +87,7 @@ impl<'a> Drawn<'a> {
         let of_excess = |excess: &Excess| ExcessData {
             joint: drawn.iter().position(|index| *index == excess.dof),
             plot: match excess.kind {
-                Kind::Range => "position",
+                Kind::Range | Kind::Following => "position",
                 // The sum of two joints is in no plot.
                 Kind::LinkedRange => "",
                 Kind::Speed => "speed",

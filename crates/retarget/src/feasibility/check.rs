@@ -220,9 +220,8 @@ impl<'a> Tally<'a> {
                 });
             }
         }
-        self.excesses.sort_by(|a, b| {
-            (a.dof, a.kind).cmp(&(b.dof, b.kind)).then(a.from_s.total_cmp(&b.from_s))
-        });
-        Report { duration_s, peaks: self.peaks, excesses: self.excesses }
+        let mut report = Report { duration_s, peaks: self.peaks, excesses: Vec::new() };
+        report.add(self.excesses);
+        report
     }
 }

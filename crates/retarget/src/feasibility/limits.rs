@@ -104,6 +104,11 @@ impl Limits {
 
 /// Factor by which an exceeded limit is multiplied before each new attempt.
 const TIGHTER: f64 = 0.93;
+/// Smallest such factor, for a following error: the error grows faster than speed and torque.
+const TIGHTEST: f64 = 0.8;
+/// Smallest limit of the torque because of a following error, as a multiple of the root mean square, which is about the
+/// torque against gravity: a calmer motion does not reduce it.
+const ABOVE_WEIGHT: f64 = 1.5;
 
 impl Limits {
     /// Tightens the limits that a report lists as exceeded, for another attempt to make a spline of the motion.
@@ -132,6 +137,16 @@ impl Limits {
                     } else {
                         dof.range = narrower(dof.range, beyond);
                     }
+                }
+                Kind::Following => {
+                    // The limits themselves may be far above the motion.
+                    let peaks = &report.peaks[excess.dof];
+                    let value = of_limit.iter().map(|excess| excess.value).fold(0.0, f64::max);
+                    let share = (excess.limit / value).clamp(TIGHTEST, TIGHTER);
+                    dof.speed = share * dof.speed.min(peaks.speed);
+                    dof.acceleration = share * dof.acceleration.min(peaks.acceleration);
+                    let effort = share * dof.effort.min(peaks.effort);
+                    dof.effort = effort.max(dof.effort.min(ABOVE_WEIGHT * peaks.effort_rms));
                 }
                 Kind::LinkedRange => {
                     for linked in limits.linked.iter_mut().filter(|linked| linked.body == joint) {

@@ -19,11 +19,14 @@ pub enum Kind {
     /// The mean square of the effort is too large, so that the drive overheats. The mean is over the drive's
     /// thermal time or, for a repeated motion, over the whole motion.
     Heat,
+    /// A servo that closes its own loop is predicted to be so far behind for so long that the supervisor would end the
+    /// show. [`check`](super::check()) does not find this: it needs the servos, not only limits.
+    Following,
 }
 
 impl Kind {
     /// Number of kinds.
-    pub(super) const COUNT: usize = 6;
+    pub(super) const COUNT: usize = 7;
 
     /// Returns the name for messages.
     pub fn name(self) -> &'static str {
@@ -34,14 +37,15 @@ impl Kind {
             Self::Acceleration => "acceleration",
             Self::Effort => "torque",
             Self::Heat => "heat",
+            Self::Following => "following error",
         }
     }
 
     /// Returns the display unit, for a joint that turns or one that slides.
     pub fn unit(self, slides: bool) -> &'static str {
         match (self, slides) {
-            (Self::Range | Self::LinkedRange, false) => "°",
-            (Self::Range | Self::LinkedRange, true) => " mm",
+            (Self::Range | Self::LinkedRange | Self::Following, false) => "°",
+            (Self::Range | Self::LinkedRange | Self::Following, true) => " mm",
             (Self::Speed, false) => " rad/s",
             (Self::Speed, true) => " m/s",
             (Self::Acceleration, false) => " rad/s²",
@@ -54,8 +58,8 @@ impl Kind {
     /// Formats a value in [its unit](Self::unit), with three decimals.
     pub fn shown(self, slides: bool, value: f64) -> String {
         let value = match (self, slides) {
-            (Self::Range | Self::LinkedRange, false) => value.to_degrees(),
-            (Self::Range | Self::LinkedRange, true) => 1000.0 * value,
+            (Self::Range | Self::LinkedRange | Self::Following, false) => value.to_degrees(),
+            (Self::Range | Self::LinkedRange | Self::Following, true) => 1000.0 * value,
             _ => value,
         };
         format!("{value:.3}{}", self.unit(slides))
@@ -108,4 +112,14 @@ pub struct Report {
     pub peaks: Vec<DofPeaks>,
     /// Excesses, sorted by dof, then by kind, then by time.
     pub excesses: Vec<Excess>,
+}
+
+impl Report {
+    /// Adds excesses, and restores the order.
+    pub fn add(&mut self, excesses: impl IntoIterator<Item = Excess>) {
+        self.excesses.extend(excesses);
+        self.excesses.sort_by(|a, b| {
+            (a.dof, a.kind).cmp(&(b.dof, b.kind)).then(a.from_s.total_cmp(&b.from_s))
+        });
+    }
 }

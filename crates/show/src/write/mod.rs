@@ -42,6 +42,10 @@ pub struct Written {
     pub lengths: Errors,
     /// Number of knots of all channels.
     pub knots: usize,
+    /// Rounding of each coordinate: half a step of its control values. A value of the curve is a weighted mean of
+    /// control values, so the rounding changes the value by at most as much. rad or m, without a unit for a component
+    /// of a quaternion.
+    pub rounding: Vec<f64>,
 }
 
 /// Writes a show of a motion, with few knots for the given error bounds.
@@ -197,7 +201,8 @@ impl<'a> Writer<'a> {
         {
             parts.errors = [angles.largest as f32, lengths.largest as f32];
         }
-        Ok(Written { bytes: parts.bytes(timing)?, angles, lengths, knots })
+        let rounding = records.iter().map(|record| 0.5 * f64::from(record.step)).collect();
+        Ok(Written { bytes: parts.bytes(timing)?, angles, lengths, knots, rounding })
     }
 
     /// Recomputes the channels that do not fulfil the requested shares, and those of the joints that follow them.

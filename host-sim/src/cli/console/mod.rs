@@ -204,7 +204,8 @@ impl ConsoleArgs {
             let (bytes, sound) = if let Some(file) = show::read(path)? {
                 (file.bytes, file.sound.and_then(|sound| own_sound(path, &sound)))
             } else {
-                let on_rig = PerformanceArgs::default();
+                let mut on_rig = PerformanceArgs::default();
+                on_rig.driven = self.driven.on_board();
                 (show::bake((rig, crc), path, &on_rig, None, None, UnitArgs::default())?, None)
             };
             Show::open(&bytes)?.check_rig(crc).with_context(|| path.display().to_string())?;

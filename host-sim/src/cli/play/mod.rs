@@ -154,9 +154,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
         rig.mechanism = rig.description.mechanism()?;
         note(format_args!("{count} joint(s) of {} get servos by --servo", rig.description.name));
     }
-    let options =
-        if args.target == Target::Sim { args.driven.here() } else { args.driven.on_board() };
-    let mut parts = RigParts::new(&rig.description, &rig.mechanism, options)
+    let mut parts = RigParts::new(&rig.description, &rig.mechanism, args.options())
         .with_context(|| args.rig.display().to_string())?;
     parts.vary(variation);
     notes::tell(&parts, !matches!(args.target, Target::Port(_)));

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context as _, bail};
 use sinew_host_util::command::note;
 use sinew_mocap::Kind;
-use sinew_performance::play::RigParts;
+use sinew_performance::play::{Options, RigParts};
 use sinew_performance::rig::LoadedRig;
 use sinew_performance::{Baked, RigPerformance, ShowChoices};
 use sinew_rig::Mechanism;
@@ -14,6 +14,7 @@ use sinew_show::sound::{Sound, split};
 
 use super::Args;
 use crate::cli::performance::{ON_STAND, PerformanceArgs};
+use crate::cli::target::Target;
 use crate::cli::unit_args::UnitArgs;
 
 /// Content of a show file.
@@ -64,6 +65,9 @@ fn tell_fit(
             note(format_args!("fit: {line}"));
         }
     }
+    if let Some(line) = performance.following_line().filter(|_| is_changed) {
+        note(format_args!("fit: {}", line.trim_end()));
+    }
     if let Some(why) = likeness.strange() {
         note(format_args!("warning: the fitted motion is far from the clip: {why}"));
     }
@@ -94,6 +98,11 @@ pub(in crate::cli) fn bake(
 }
 
 impl Args {
+    /// Returns the options of the loop that plays: in this program, or on a board.
+    pub(super) fn options(&self) -> Options {
+        if self.target == Target::Sim { self.driven.here() } else { self.driven.on_board() }
+    }
+
     /// Returns the show and its sound: reads a show, or bakes a clip. `bare`: the CRC of the rig without the servos of
     /// --servo.
     pub(super) fn read_or_bake(
@@ -106,7 +115,9 @@ impl Args {
         let Some(file) = read(path)? else {
             let rig = (rig, parts.rig_crc());
             let mapping = self.mapping.as_deref();
-            let bytes = bake(rig, path, &self.on_rig, mapping, self.seconds, self.units)?;
+            let mut on_rig = self.on_rig.clone();
+            on_rig.driven = self.options();
+            let bytes = bake(rig, path, &on_rig, mapping, self.seconds, self.units)?;
             return Ok(ShowFile { bytes, sound: None });
         };
         let clip_only = self.mapping.as_ref().map(|_| "--mapping");

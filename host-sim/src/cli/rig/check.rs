@@ -7,11 +7,14 @@ use std::process::ExitCode;
 use clap::ValueEnum;
 use comfy_table::Table;
 use sinew_host_util::command::{print, table};
+use sinew_performance::following::FollowedSpeed;
 use sinew_performance::rig::{LoadedRig, review};
+use sinew_performance::text;
 use sinew_rig::review::{Loop, Review, Severity, Stability, shown};
 use sinew_servo_tools::position_gain::{PositionGain, position_gains};
 
 use super::files::read_as;
+use crate::cli::driven::DriveArg;
 use crate::cli::unit_args::UnitArgs;
 
 /// Check a rig, joint by joint: loads, speeds, inertias, stable gains, resolution and current.
@@ -28,6 +31,11 @@ pub(super) struct CheckArgs {
 
     #[command(flatten)]
     control: LoopArgs,
+
+    /// Quantity that servos will receive each tick. For servos that receive positions, the speeds that they follow are
+    /// computed. Default: `current` for servos that have a current mode, else `position`, as in `sinew play`.
+    #[arg(long, value_enum)]
+    drive: Option<DriveArg>,
 
     /// Format of the output.
     #[arg(long, value_enum, default_value_t = Format::Words)]
@@ -89,11 +97,15 @@ enum Format {
 /// Checks the rig and prints the result. If a fault is found, the result is bad: exit code 1.
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let loaded = read_as(&args.rig, &args.units.import())?;
-    let review = review(&loaded, args.control.control())?;
+    let mut review = review(&loaded, args.control.control())?;
     let gains = gains(&loaded)?;
+    let speeds = FollowedSpeed::each(&loaded, &review, DriveArg::options(args.drive))?;
+    review.findings.extend(speeds.iter().filter_map(FollowedSpeed::finding));
+    review.findings.sort_by_key(|finding| finding.severity);
+    let results = Results { review: &review, gains: &gains, speeds: &speeds };
     print(&match args.format {
-        Format::Words => words(&loaded.description.name, &loaded.mechanism, &review, &gains),
-        Format::Json => json(&loaded.description.name, &loaded.notes, &review, &gains)?,
+        Format::Words => words(&loaded.description.name, &loaded.mechanism, &results),
+        Format::Json => json(&loaded.description.name, &loaded.notes, &results)?,
     })?;
     let fault = review.findings.iter().any(|finding| finding.severity == Severity::Fault);
     Ok(if fault { ExitCode::FAILURE } else { ExitCode::SUCCESS })
@@ -111,6 +123,13 @@ fn gains(loaded: &LoadedRig) -> anyhow::Result<Vec<NamedGain>> {
     Ok(named.collect())
 }
 
+/// Results of all checks.
+struct Results<'a> {
+    review: &'a Review,
+    gains: &'a [NamedGain],
+    speeds: &'a [FollowedSpeed],
+}
+
 #[derive(serde::Serialize)]
 struct NamedGain {
     servo: String,
@@ -118,12 +137,13 @@ struct NamedGain {
     gain: PositionGain,
 }
 
-fn json(
-    name: &str,
-    notes: &[String],
-    review: &Review,
-    gains: &[NamedGain],
-) -> anyhow::Result<String> {
+fn json(name: &str, notes: &[String], results: &Results<'_>) -> anyhow::Result<String> {
+    /// The largest speed that a joint's servos follow by position, rad/s or m/s.
+    #[derive(serde::Serialize)]
+    struct Followed<'a> {
+        joint: &'a str,
+        speed: f64,
+    }
     #[derive(serde::Serialize)]
     struct Object<'a> {
         schema: &'static str,
@@ -132,18 +152,20 @@ fn json(
         #[serde(flatten)]
         review: &'a Review,
         position_gains: &'a [NamedGain],
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        followed_speeds: Vec<Followed<'a>>,
     }
-    let object = Object { schema: "sinew-rig-check/1", name, notes, review, position_gains: gains };
+    let Results { review, gains: position_gains, speeds } = *results;
+    let followed_speeds =
+        speeds.iter().map(|of| Followed { joint: &of.joint, speed: of.most }).collect();
+    let schema = "sinew-rig-check/1";
+    let object = Object { schema, name, notes, review, position_gains, followed_speeds };
     Ok(serde_json::to_string_pretty(&object)? + "\n")
 }
 
-fn words(
-    name: &str,
-    mechanism: &sinew_rig::Mechanism,
-    review: &Review,
-    gains: &[NamedGain],
-) -> String {
+fn words(name: &str, mechanism: &sinew_rig::Mechanism, results: &Results<'_>) -> String {
     let mut out = String::new();
+    let Results { review, gains, speeds } = *results;
     let Review { mass_kg, bodies, dofs, .. } = review;
     let mut line =
         |text: std::fmt::Arguments<'_>| writeln!(out, "{text}").expect("a string takes everything");
@@ -176,6 +198,14 @@ fn words(
             "P gains of servos where they are driven by position, with the stiffness that each then has, N m/rad."
         ));
         line(format_args!("{}\n", gain_table(gains)));
+    }
+    if let Some(first) = speeds.first() {
+        line(format_args!(
+            "Joints by position: the largest speed that their servos follow for long, under the largest gravity and\n\
+             friction. A faster show ends as soon as it is {} behind for long enough: `sinew bake` predicts this.",
+            text::change(first.slides, first.error)
+        ));
+        line(format_args!("{}\n", speed_table(speeds)));
     }
     if let Some(current) = review.current {
         let supply =
@@ -301,6 +331,21 @@ fn gain_table(gains: &[NamedGain]) -> Table {
             gain.factory.to_string(),
             format!("{:.1}", gain.stiffness_nm_rad),
             gain.reason.text().to_owned(),
+        ]);
+    }
+    table
+}
+
+fn speed_table(speeds: &[FollowedSpeed]) -> Table {
+    let mut table = table(["joint", "follows", "speed limit", "unit"], [1, 2]);
+    for speed in speeds {
+        let (unit, shown) =
+            if speed.slides { ("mm/s", 1e3) } else { ("deg/s", 1_f64.to_degrees()) };
+        table.add_row([
+            speed.joint.clone(),
+            format!("{:.0}", shown * speed.most),
+            speed.limit.map(|limit| format!("{:.0}", shown * limit)).unwrap_or_default(),
+            unit.to_owned(),
         ]);
     }
     table

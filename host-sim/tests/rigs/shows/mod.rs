@@ -2,6 +2,8 @@
 
 mod emulated;
 mod face;
+#[cfg(unix)]
+mod following;
 mod humanoid;
 mod independent;
 mod keys;

@@ -134,7 +134,7 @@ impl<'a> Keeping<'a> {
                     // Joints that limits connect with this joint move, too.
                     self.curves.fill(None);
                 }
-                Kind::Speed | Kind::Acceleration | Kind::Effort => {}
+                Kind::Speed | Kind::Acceleration | Kind::Effort | Kind::Following => {}
             }
         }
         found.follow(ties);

@@ -1,0 +1,177 @@
+use sinew_firmware::supervisor::Fault;
+use sinew_retarget::feasibility::{Kind, Limits, Report, RigMotion, check};
+use sinew_rig::new::arm;
+use sinew_rig::review::{Loop, Servos, Severity};
+use sinew_rig::{Description, Mechanism};
+use sinew_servo_sim::device::MEMORY_LEN;
+use sinew_show::write::Settings;
+
+use super::*;
+use crate::play::{Director, Drive, Ended, Memory, Options, RigParts, SimulatedRig};
+use crate::rig::{LoadedRig, review};
+use crate::{Baker, CHECK_HZ, ShowMarks, ShowPlayback, rig_hash};
+
+/// Returns the starter arm of three joints on STS3215, which are always driven by position, without limits of its own
+/// for speed and acceleration.
+fn arm_by_position() -> (Description, Mechanism) {
+    let mut rig = arm(3).unwrap();
+    for servo in &mut rig.servos {
+        "STS3215-7.4V".clone_into(&mut servo.model);
+    }
+    for joint in &mut rig.joints {
+        (joint.speed_rad_s, joint.acceleration_rad_s2) = (None, None);
+    }
+    let mechanism = rig.mechanism().unwrap();
+    (rig, mechanism)
+}
+
+/// A show and its check.
+struct Checked {
+    show: Vec<u8>,
+    report: Report,
+}
+
+/// Bakes a show in which the first joint turns from -2 to 2 rad with at most a speed, after a second at rest. It
+/// accelerates evenly for 0.2 s.
+fn turn(rig: &Description, mechanism: &Mechanism, speed_rad_s: f64) -> Checked {
+    const DT_S: f64 = 0.01;
+    let (mut at, mut speed) = (-2.0_f64, 0.0_f64);
+    let change = speed_rad_s / 0.2 * DT_S;
+    let mut rows = Vec::new();
+    for row in 0..600 {
+        let mut q = mechanism.home();
+        q[0] = at;
+        rows.push(q);
+        if row >= 100 {
+            // Brakes in time.
+            let brakes = (2.0 * change / DT_S * (2.0 - at).max(0.0)).sqrt();
+            speed = (speed + change).min(speed_rad_s).min(brakes);
+            at = (at + speed * DT_S).min(2.0);
+        }
+    }
+    checked(rig, mechanism, &RigMotion { dt_s: DT_S, rows })
+}
+
+fn checked(rig: &Description, mechanism: &Mechanism, motion: &RigMotion) -> Checked {
+    let (rig_crc, _) = rig_hash(rig, mechanism);
+    let baker = Baker { mechanism, rig: rig_crc, settings: Settings::default() };
+    let show = baker.bake(motion, &ShowMarks::default()).unwrap().written.bytes;
+    let limits = Limits::of(mechanism, &Servos::of(rig, mechanism).unwrap());
+    let played = ShowPlayback::new(&show).unwrap();
+    let report = check(mechanism, &limits, &played, CHECK_HZ).unwrap();
+    Checked { show, report }
+}
+
+fn prepared(rig: &Description, mechanism: &Mechanism, options: Options) -> Option<FollowingCheck> {
+    let (rig_crc, _) = rig_hash(rig, mechanism);
+    FollowingCheck::new(rig, mechanism, options, rig_crc).unwrap()
+}
+
+/// Returns whether the supervisor ends a show with a following error, on the simulated rig with all its faults.
+fn faults(rig: &Description, mechanism: &Mechanism, show: &[u8]) -> bool {
+    let parts = RigParts::new(rig, mechanism, Options::default()).unwrap();
+    let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+    let plant = parts.plant(rig, mechanism).unwrap();
+    let mut sim = SimulatedRig::new(&parts, Some(show), &mut memories, plant).unwrap();
+    let mut director = Director::default();
+    let ended = (0..60 * parts.rate_hz).find_map(|_| director.tick(&mut sim, false));
+    match ended.expect("it ends") {
+        Ended::Done => false,
+        Ended::Faults(faults) => faults.contains(Fault::FollowingError),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The speed from which a turn ends in a following error is found by halving; at the lower of two speeds that
+/// differ by 0.5 % the prediction and the supervisor both find nothing, at the higher one both find the fault. The speed
+/// of the linear model is that of a motion that lasts, so it is below that of this turn of a second.
+#[test]
+fn the_prediction_is_true_on_both_sides_of_the_limit() {
+    let (rig, mechanism) = arm_by_position();
+    let prepared = prepared(&rig, &mechanism, Options::default()).unwrap();
+    let predicted = |speed_rad_s: f64| {
+        let Checked { show, report } = turn(&rig, &mechanism, speed_rad_s);
+        let predicted = prepared.of(&show, &report, Allowance::Supervisor).unwrap();
+        assert_eq!(predicted.stopped, None);
+        assert!(predicted.excesses.iter().all(|excess| excess.kind == Kind::Following));
+        (show, predicted)
+    };
+    let is_found = |speed_rad_s| !predicted(speed_rad_s).1.excesses.is_empty();
+    let [mut low, mut high] = [2.0_f64, 8.0];
+    assert!(!is_found(low) && is_found(high));
+    while high > 1.005 * low {
+        let middle = 0.5 * (low + high);
+        if is_found(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    let ((slow, _), (fast, found)) = (predicted(low), predicted(high));
+    assert!(!faults(&rig, &mechanism, &slow), "{low}");
+    assert!(faults(&rig, &mechanism, &fast), "{high}");
+    let excess = &found.excesses[0];
+    assert_eq!(excess.dof, 0);
+    assert!(excess.value > excess.limit && excess.to_s - excess.from_s >= 0.19, "{excess:?}");
+
+    let speeds = followed(rig, mechanism);
+    let most = speeds[0].most;
+    println!("limit {low:.3} to {high:.3} rad/s, by the model {most:.3} rad/s");
+    assert!((0.7 * high..high).contains(&most), "{most} {high}");
+}
+
+fn followed(description: Description, mechanism: Mechanism) -> Vec<FollowedSpeed> {
+    let (world, notes, doubts) = (None, Vec::new(), Vec::new());
+    let loaded = LoadedRig { description, mechanism, world, notes, doubts };
+    let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
+    let review = review(&loaded, control).unwrap();
+    FollowedSpeed::each(&loaded, &review, Options::default()).unwrap()
+}
+
+/// A show whose servos have a bound is not played. The error of a play is below the bound.
+#[test]
+fn a_play_stays_within_the_bound() {
+    let (rig, mechanism) = arm_by_position();
+    let prepared = prepared(&rig, &mechanism, Options::default()).unwrap();
+    let mut bounds = 0;
+    for speed_rad_s in [0.3, 0.8, 1.6] {
+        let Checked { show, report } = turn(&rig, &mechanism, speed_rad_s);
+        let Some(bound) = prepared.bound(&report) else { continue };
+        bounds += 1;
+        let limit = sinew_firmware::supervisor::detect::FollowingSettings::default();
+        let played = prepared.played(&show, limit).unwrap();
+        let [played, bound] = [played.largest.error, bound.error].map(f64::to_degrees);
+        println!("{speed_rad_s} rad/s: {played:.2} deg, bound {bound:.2} deg");
+        assert!(played <= bound, "{speed_rad_s}: {played} {bound}");
+    }
+    assert!(bounds > 0);
+}
+
+#[test]
+fn only_servos_that_close_their_own_loop_are_predicted() {
+    let rig = arm(3).unwrap();
+    let mechanism = rig.mechanism().unwrap();
+    assert!(prepared(&rig, &mechanism, Options::default()).is_none());
+    let by_position = Options { drive: Some(Drive::Position), ..Options::default() };
+    assert!(prepared(&rig, &mechanism, by_position).is_some());
+    // Servos on pulses report nothing: no supervisor sees their error.
+    let face = sinew_rig::new::face();
+    assert!(prepared(&face, &face.mechanism().unwrap(), Options::default()).is_none());
+}
+
+/// Links of 5 kg each ask for more than the servos have.
+#[test]
+fn an_arm_that_its_servos_do_not_carry_is_named() {
+    let (light, mechanism) = arm_by_position();
+    assert!(followed(light.clone(), mechanism).iter().all(|speed| speed.finding().is_none()));
+    let mut heavy = light;
+    for body in &mut heavy.bodies[1..] {
+        body.mass_kg *= 200.0;
+    }
+    let mechanism = heavy.mechanism().unwrap();
+    let speeds = followed(heavy, mechanism);
+    let bend = &speeds[1];
+    let finding = bend.finding().unwrap();
+    assert!(bend.most < 1e-9 && finding.about == "joint bend2", "{bend:?}");
+    assert!(finding.severity <= Severity::Warning && finding.text.contains("sags by more than 15"));
+}
