@@ -78,6 +78,8 @@ impl<'a> Remote<'a> {
             Order::Arm => self.arm()?,
             Order::Goto { q, least } => {
                 let q = followed(self.mechanism, &q)?;
+                // The console, too, must know that the rig holds.
+                self.report_after(self.changed)?;
                 self.move_by(PageCommand::Goto { q, seconds: least.as_secs_f64() })?;
             }
             Order::Live { q } => {
