@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A message of a page, or of a program that drives. The answer to it has the number `id`; without a number there is no answer.
+/// A message of a page, or of a program that drives. The answer to it has the number `id`; without a number there is no
+/// answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FromPage {
     pub(crate) id: Option<u64>,
