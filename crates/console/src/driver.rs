@@ -23,7 +23,7 @@ pub struct Driver {
     asked: u64,
     answers: BTreeMap<u64, Result<String, String>>,
     drives: bool,
-    slots: Vec<(u8, [u8; 32])>,
+    slots: Vec<(u8, Option<[u8; 32]>)>,
 }
 
 /// Messages of the console that a program uses.
@@ -48,7 +48,7 @@ enum Told {
 #[derive(Deserialize)]
 struct Slot {
     slot: u8,
-    hash: [u8; 32],
+    hash: Option<[u8; 32]>,
 }
 
 impl Driver {
@@ -81,7 +81,7 @@ impl Driver {
 
     /// Returns the slot that has a show with this SHA-256; `None` if the board does not have the show.
     pub fn slot_of(&self, hash: &[u8; 32]) -> Option<u8> {
-        self.slots.iter().find(|(_, own)| own == hash).map(|(slot, _)| *slot)
+        self.slots.iter().find(|(_, own)| own.as_ref() == Some(hash)).map(|(slot, _)| *slot)
     }
 
     /// Receives for at most `wait`. Before it, tells the console that the program still runs.

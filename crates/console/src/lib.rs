@@ -16,7 +16,8 @@
 //!
 //! # Files
 //! - `server/`: listeners, request heads, sockets, and the limits of all of them. `page/`: the files it serves.
-//! - `driver`: a program that drives like a page. `message`: text messages between page and hub; `frame`: the state of the rig as numbers.
+//! - `driver`: a program that drives like a page. `message`: text messages between page and hub; `frame`: the state of
+//!   the rig as numbers.
 //! - `hub/`: the loop, commands, sliders, shows, idle life, uploads, and hubs without pages.
 //! - `replay/`: a recording instead of a board. `sounds`: sounds of shows, which pages play.
 //! - `scene`: the rig as the page draws it. [`local`]: the Unix socket for commands in other terminals.

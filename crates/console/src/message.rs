@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A message of a page, or of a program that drives. The answer to it has the number `id`; without a number there is no answer.
+/// A message of a page, or of a program that drives. The answer to it has the number `id`; without a number there is no
+/// answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FromPage {
     pub(crate) id: Option<u64>,
@@ -69,7 +70,7 @@ pub enum PageCommand {
     },
     /// The answer is the state of the rig, as a [`Report`](sinew_board_client::console::Report).
     State,
-    /// The answer is the board's log of faults.
+    /// The answer is the board's log of faults; for programs.
     Faults,
     /// Idle life starts, or ends.
     Idle {
@@ -183,8 +184,9 @@ pub(crate) struct Slot {
     #[serde(rename = "slot")]
     pub(crate) index: u8,
     pub(crate) name: String,
-    /// SHA-256 of the show.
-    pub(crate) hash: [u8; 32],
+    /// SHA-256 of the show; a recording has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) hash: Option<[u8; 32]>,
     /// Duration, s; `None` if this program does not know the show's bytes.
     pub(crate) duration_s: Option<f32>,
     pub(crate) cues: Vec<CueMark>,

@@ -37,6 +37,14 @@ def program() -> str:
     return path
 
 
+@pytest.fixture(autouse=True)
+def sockets(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> pathlib.Path:
+    """Returns the folder of the sockets of consoles, in which no other program has any."""
+    folder = tmp_path_factory.mktemp("sockets")
+    monkeypatch.setenv("SINEW_SOCKETS", str(folder))
+    return folder
+
+
 @pytest.fixture(scope="session")
 def arm() -> sm.Rig:
     return sm.Rig.arm(6)

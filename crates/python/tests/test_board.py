@@ -210,8 +210,7 @@ def test_closing_ends_a_motion() -> None:
     assert errors == ["ended by `close`"]
 
 
-def test_another_terminal_stops_the_rig(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+def test_another_terminal_stops_the_rig() -> None:
     with sm.Board.open("sim", sm.Rig.arm(2)) as board:
         board.arm()
         q = board.state().q
@@ -269,9 +268,8 @@ def test_rounds_count_from_the_first_pose() -> None:
 
 
 @pytest.fixture
-def console(program: str, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[sm.Rig]:
+def console(program: str, tmp_path: pathlib.Path, sockets: pathlib.Path) -> Iterator[sm.Rig]:
     """Runs ``sinew console`` on a simulated arm, and returns its rig."""
-    monkeypatch.setenv("SINEW_SOCKETS", str(tmp_path / "sockets"))
     file = tmp_path / "arm.toml"
     sm.Rig.arm(2).save(file)
     running = subprocess.Popen(
@@ -279,7 +277,7 @@ def console(program: str, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatc
     )
     try:
         end = time.monotonic() + 60.0
-        while not list((tmp_path / "sockets").glob("*.sock")):
+        while not list(sockets.glob("*.sock")):
             assert running.poll() is None and time.monotonic() < end, "the console does not start"
             time.sleep(0.05)
         yield sm.Rig.load(file)

@@ -11,7 +11,7 @@ use super::slider::Slider;
 use super::{Hub, PageCommand, Refused};
 use crate::local::{CUTS, STOPS};
 use crate::message::ToPage;
-use crate::server::PageId;
+use crate::server::{PageId, is_program};
 
 /// Time without a message of a barred slider after which it counts as released.
 const LET_GO: Duration = Duration::from_millis(400);
@@ -55,8 +55,12 @@ impl<L: Line> Hub<'_, L> {
             }
             Hello { .. } => Ok(String::new()),
             Wheel { take } => self.turn_wheel(page, take),
+            State | Faults if self.lost.is_some() => {
+                Err(Refused::because("the board does not answer"))
+            }
             State => self.report(),
-            Faults => self.faults(),
+            // The log takes many turns of the link, so pages of other machines do not ask for it.
+            Faults if is_program(page) => self.faults(),
             _ if !is_driver => {
                 Err(Refused::because("another page drives; this page may hold and stop"))
             }
@@ -78,6 +82,7 @@ impl<L: Line> Hub<'_, L> {
                 return self.answer_at_end(page, id, begun);
             }
             Live { q } => self.live(q),
+            Faults => Err(Refused::because("only programs of this user read the log of faults")),
             Clear => self.ask(Command::ClearFaults).map(|_| "no fault is latched".to_owned()),
             Play { slot, is_loop, rounds: 0 } => self.play(slot, is_loop, 0),
             Play { slot, is_loop, rounds } => {

@@ -66,14 +66,14 @@ impl Shows {
             let unknown = Slot {
                 index: slot,
                 name,
-                hash: item.hash,
+                hash: Some(item.hash),
                 duration_s: None,
                 cues: Vec::new(),
                 sound: None,
             };
             let found = known.and_then(|index| {
                 self.bytes.push((slot, index));
-                describe((slot, item.hash), &self.known[index].1)
+                describe(slot, &self.known[index])
             });
             self.slots.push(found.unwrap_or(unknown));
         }
@@ -96,7 +96,7 @@ impl Shows {
     }
 }
 
-fn describe((slot, hash): (u8, [u8; 32]), own: &OwnShow) -> Option<Slot> {
+fn describe(slot: u8, (item, own): &(Item, OwnShow)) -> Option<Slot> {
     let show = Show::open(&own.bytes).ok()?;
     let rate_hz = show.rate().hz();
     let cues = show.cues();
@@ -111,7 +111,7 @@ fn describe((slot, hash): (u8, [u8; 32]), own: &OwnShow) -> Option<Slot> {
     Some(Slot {
         index: slot,
         name: own.name.clone(),
-        hash,
+        hash: Some(item.hash),
         duration_s,
         cues: cues.collect(),
         sound,

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::{Reply, Request, View, private_folder};
 use crate::message::{FromPage, PageCommand};
-use crate::server::{Outbox, PageId, ToHub, Way, text_of};
+use crate::server::{Outbox, PageId, ToHub, Way, program, text_of};
 
 /// Maximum length of a request, bytes.
 const REQUEST_MAX: u64 = 4096;
@@ -29,8 +29,6 @@ const ANSWERS: Duration = Duration::from_millis(300);
 /// Longest silence of a program that drives, and longest show, bytes.
 const SILENT_MAX: Duration = Duration::from_secs(10);
 const SHOW_MAX: usize = 1 << 22;
-/// The bit that tells programs from pages in their numbers.
-const OF_PROGRAMS: PageId = 1 << 63;
 
 /// Maximum number of views that wait for a slow command. If they are exceeded, newer views are dropped.
 const VIEWS: usize = 4;
@@ -129,7 +127,7 @@ fn serve(stream: &UnixStream, hub: &SyncSender<ToHub>, asked: Arc<()>) -> io::Re
     };
     write(stream, &reply)?;
     drop(asked);
-    if drives && reply.ok { drive(stream, hub, OF_PROGRAMS | command) } else { Ok(()) }
+    if drives && reply.ok { drive(stream, hub, program(command)) } else { Ok(()) }
 }
 
 /// Passes views of the rig to a command until the command ends.

@@ -83,7 +83,7 @@ impl<'a> Player<'a> {
         let slot = Slot {
             index: 0,
             name: self.name.to_owned(),
-            hash: [0; 32],
+            hash: None,
             duration_s,
             cues: Vec::new(),
             sound: None,

@@ -30,8 +30,21 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Pause after an error of a listener, such as too many open files.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Number of a page; it is not used again.
+/// Number of a page, or of a program that drives; it is not used again.
 pub(crate) type PageId = u64;
+
+/// The bit that tells programs from pages in their numbers.
+const OF_PROGRAMS: PageId = 1 << 63;
+
+/// Returns the number of a program, from that of its connection.
+pub(crate) fn program(connection: u64) -> PageId {
+    OF_PROGRAMS | connection
+}
+
+/// Returns whether a number is that of a program of this user.
+pub(crate) fn is_program(page: PageId) -> bool {
+    page & OF_PROGRAMS != 0
+}
 
 /// A message of a connection's thread to the hub.
 #[derive(Debug)]

@@ -120,6 +120,8 @@ fn only_who_has_the_wheel_arms_and_moves() {
         assert!(refused.contains(why), "{command:?}: {refused}");
     }
     assert!(!console.told.lock().unwrap().commands.contains(&Command::Arm));
+    let (is_done, text) = page.ask(json!({ "type": "faults" }));
+    assert!(!is_done && text.contains("only programs"), "{text}");
     // The page releases the wheel, for which the program has asked; then the page is refused.
     assert!(page.ask(json!({ "type": "wheel", "take": false })).0);
     assert!(ask(&mut program, PageCommand::Arm).is_ok() && program.drives());

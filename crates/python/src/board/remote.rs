@@ -78,6 +78,8 @@ impl<'a> Remote<'a> {
             Order::Arm => self.arm()?,
             Order::Goto { q, least } => {
                 let q = followed(self.mechanism, &q)?;
+                // The console, too, must know that the rig holds.
+                self.report_after(self.changed)?;
                 self.move_by(PageCommand::Goto { q, seconds: least.as_secs_f64() })?;
             }
             Order::Live { q } => {
@@ -108,19 +110,25 @@ impl<'a> Remote<'a> {
         Ok(Reply::Done)
     }
 
-    /// Sends a command, and returns the console's answer. Fails if the console refuses, or the running order must end.
+    /// Sends a command that the console answers at once, and returns the answer. Fails if the console refuses.
     fn ask(&mut self, command: PageCommand) -> anyhow::Result<String> {
-        let id = self.driver.ask(command)?;
-        self.answer(id)
+        let (id, end) = (self.driver.ask(command)?, self.driver.now() + READY);
+        loop {
+            if let Some(answer) = self.driver.answer(id) {
+                return answer.map_err(|why| anyhow!(why));
+            }
+            ensure!(self.driver.now() < end, "the console does not answer");
+            self.driver.step(TURN)?;
+        }
     }
 
+    /// Waits for an answer. Fails if the console refuses, or the running order must end.
     fn answer(&mut self, id: u64) -> anyhow::Result<String> {
         loop {
             if let Some(answer) = self.driver.answer(id) {
                 return answer.map_err(|why| anyhow!(why));
             }
-            self.driver.step(TURN)?;
-            self.inbox.check()?;
+            self.wait()?;
         }
     }
 
@@ -160,12 +168,19 @@ impl<'a> Remote<'a> {
         }
     }
 
+    /// Lets time pass. Fails if the running order must end.
+    fn wait(&mut self) -> anyhow::Result<()> {
+        self.driver.step(TURN)?;
+        self.inbox.check()
+    }
+
     fn arm(&mut self) -> anyhow::Result<()> {
-        self.ask(PageCommand::Arm)?;
+        let id = self.driver.ask(PageCommand::Arm)?;
+        self.answer(id)?;
         let before = self.report()?.summaries;
         loop {
             match self.report_after(before)?.summary.state {
-                State::Arming => self.driver.step(TURN)?,
+                State::Arming => self.wait()?,
                 State::Holding => return Ok(()),
                 state => bail!("the rig is {state}"),
             }
@@ -207,7 +222,7 @@ impl<'a> Remote<'a> {
                 return Ok(());
             }
             ensure!(self.driver.now() < end, "torque is still on");
-            self.driver.step(TURN)?;
+            self.wait()?;
         }
     }
 
