@@ -7,7 +7,9 @@
 //! - `clip` reads and cleans a clip, `propose` proposes its mapping to a rig, `retargeted_clip` retargets it,
 //!   `own_motion` reads a motion of the rig's own joints, `layers` applies other motions to such a motion, `bake` makes
 //!   a show of a motion, `rig_performance` fits a motion and bakes it, `left` compares a motion before and after a fit,
-//!   `table` reports on a motion, `likeness` compares it with the performer.
+//!   `rounding` separates excesses of ranges from the rounding of a show, `table` reports on a motion, `likeness`
+//!   compares it with the performer.
+//! - [`following`] predicts how far servos by position stay behind a show.
 //! - [`play`] plays a show on simulated servos: `rig_parts` and `line` contain the parts of controller and bus
 //!   lines, `simulated_rig` runs a tick, `director` commands it. `play/board` is a whole node with its flash in a file.
 //! - [`teach`] makes a motion from a rig that is led by hand: `guide_trajectory` is the hand's path, `session` the

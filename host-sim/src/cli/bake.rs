@@ -64,8 +64,8 @@ pub(super) struct Args {
     #[command(flatten)]
     units: UnitArgs,
 
-    /// Quantity that servos will receive each tick. For servos that receive positions, the following error is predicted.
-    /// Default: `current` for servos that have a current mode, else `position`, as in `sinew play`.
+    /// Quantity that servos will receive each tick. For servos that receive positions, the following error is
+    /// predicted. Default: `current` for servos that have a current mode, else `position`, as in `sinew play`.
     #[arg(long, value_enum)]
     drive: Option<DriveArg>,
 

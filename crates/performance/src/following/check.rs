@@ -35,8 +35,8 @@ pub struct FollowingCheck {
 }
 
 impl FollowingCheck {
-    /// Prepares a rig, whose shows have this CRC. Returns `None` if no servo closes its own loop and reports its position. Also returns `None` if
-    /// the rig cannot play and no drive is given: `sinew play` states the reason.
+    /// Prepares a rig, whose shows have this CRC. Returns `None` if no servo closes its own loop and reports its
+    /// position. Also returns `None` if the rig cannot play and no drive is given: `sinew play` states the reason.
     ///
     /// # Errors
     /// [`PartsError`] if the rig cannot play with the given drive.

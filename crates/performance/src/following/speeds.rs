@@ -17,8 +17,8 @@ pub struct FollowedSpeed {
     pub joint: String,
     /// Whether the dof slides: units are m instead of rad.
     pub slides: bool,
-    /// Largest speed that the servos follow for long under the largest gravity and friction, rad/s. With a larger speed,
-    /// the following error grows until the supervisor ends the show. 0 if they do not even carry the load.
+    /// Largest speed that the servos follow for long under the largest gravity and friction, rad/s. With a larger
+    /// speed, the following error grows until the supervisor ends the show. 0 if they do not even carry the load.
     pub most: f64,
     /// Speed limit of the dof, rad/s; `None` without limit.
     pub limit: Option<f64>,

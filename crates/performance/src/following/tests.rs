@@ -82,9 +82,9 @@ fn faults(rig: &Description, mechanism: &Mechanism, show: &[u8]) -> bool {
     }
 }
 
-/// The speed from which a turn ends in a following error is found by halving; at the lower of two speeds that
-/// differ by 0.5 % the prediction and the supervisor both find nothing, at the higher one both find the fault. The speed
-/// of the linear model is that of a motion that lasts, so it is below that of this turn of a second.
+/// Halving finds the speed from which a turn ends in a following error. At the lower of two speeds that differ by 0.5 %
+/// the prediction and the supervisor both find nothing, at the higher one both find the fault. The speed of the linear
+/// model is that of a motion that lasts, so it is below that of this turn of a second.
 #[test]
 fn the_prediction_is_true_on_both_sides_of_the_limit() {
     let (rig, mechanism) = arm_by_position();
