@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sinew_board_client::{Arrival, Journey, Line};
+use sinew_board_client::{Arrival, Journey, Line, TelemetryLog};
 use sinew_link::message::{Command, Feed, LiveFrame, Refusal, State, Stream};
 
 use super::slider::Slider;
@@ -50,6 +50,20 @@ pub(super) struct Playing {
     ends: bool,
     before: u32,
     show_ms: u32,
+    /// Expected time of the show's start; `None` if it is not known.
+    starts: Option<Duration>,
+}
+
+impl Playing {
+    /// Returns the time in the show, s: before the show starts it is negative, or 0 if the start is not known or is late.
+    pub(super) fn place_s(&self, log: &TelemetryLog, now: Duration) -> f32 {
+        let show_ms = log.summary.map_or(0, |summary| summary.show_ms);
+        // The summary may be from before the command to play.
+        if log.summaries >= self.before + 2 && show_ms > 0 {
+            return Duration::from_millis(show_ms.into()).as_secs_f32();
+        }
+        -self.starts.map_or(0.0, |starts| starts.saturating_sub(now).as_secs_f32())
+    }
 }
 
 /// A request to arm, repeated until the board allows it.
@@ -104,9 +118,14 @@ impl<L: Line> Hub<'_, L> {
 
     /// Begins to play the loaded show.
     pub(super) fn begin_show(&mut self, repeats: bool, is_loop: bool) -> Result<(), Refused> {
+        let way = self.way_to_show();
+        let asked = self.now();
         self.ask(Command::Play(Feed::Show))?;
+        // The board has begun between question and answer.
+        let begun = (asked + self.now()) / 2;
         let (before, ends) = (self.board.log.summaries, is_loop && !repeats);
-        self.act = Some(Act::Show(Playing { repeats, ends, before, show_ms: 0 }));
+        let starts = way.map(|way| begun + way);
+        self.act = Some(Act::Show(Playing { repeats, ends, before, show_ms: 0, starts }));
         Ok(())
     }
 

@@ -172,16 +172,20 @@ impl<L: Line> Hub<'_, L> {
     fn tell_frame(&self) {
         let log = &self.board.log;
         let Some(summary) = log.summary else { return };
-        let is_show = matches!(self.act, Some(Act::Show(_)));
+        let playing = match &self.act {
+            Some(Act::Show(playing)) => Some(playing),
+            _ => None,
+        };
         let mut flags = if self.lost.is_some() { frame::LOST } else { 0 };
         flags |= if matches!(self.act, Some(Act::Slider(_))) { frame::JOGS } else { 0 };
-        flags |= if is_show && summary.state == State::Playing { frame::PLAYS } else { 0 };
+        flags |=
+            if playing.is_some() && summary.state == State::Playing { frame::PLAYS } else { 0 };
         let frame = Frame {
             state: summary.state.number(),
             fault: summary.fault,
             flags,
             t_s: self.now().as_secs_f32(),
-            place_s: is_show.then(|| Duration::from_millis(summary.show_ms.into()).as_secs_f32()),
+            place_s: playing.map(|playing| playing.place_s(log, self.now())),
             supply_v: summary.supply_v,
             tick_us: summary.tick_us,
             counts: self.scene.counts(),
