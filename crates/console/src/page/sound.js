@@ -11,12 +11,10 @@ const JUMP_S = 0.15;
 const GAIN = 0.4;
 const STEER_EVERY_S = 0.25;
 // The board's times arrive late, never early. Of those in this window, the one that arrived with the least delay sets
-// the clock, s. At 30 times in a second, one of them has nearly no delay.
-const WINDOW_S = 0.7;
-// Before a show starts, its times are expected ones. The sound is started this long before the show, s.
+// the clock, s.
+const WINDOW_S = 2;
+// The start of a show is expected. The sound is planned at most this long before it, s.
 const BEFORE_S = 0.2;
-// At the first measurement, the sound jumps already from this drift: the expected start was wrong, s.
-const START_JUMP_S = 0.03;
 const FADE_S = 0.005;
 const GRAIN_S = 0.08;
 const GRAIN_EVERY_MS = 60;
@@ -33,9 +31,8 @@ export const placeClock = () => {
   return {
     reset: () => { seen = []; },
     take: (place, at) => {
-      const last = seen.at(-1);
-      // A loop or the show has started again; or the show has started, and its times are no longer expected ones.
-      if (last && (Math.abs(place - at - last.lead) > 0.5 || place > 0 && last.lead + last.at < 0)) seen = [];
+      // A loop or the show has started again.
+      if (seen.length > 0 && Math.abs(place - at - seen.at(-1).lead) > 0.5) seen = [];
       seen.push({ lead: place - at, at });
       while (seen[0].at < at - WINDOW_S) seen.shift();
     },
@@ -128,10 +125,8 @@ export const sound = () => {
     const drift = placeOfSound(at) - (clock.place(at) + chosen.offset_s);
     drifts.now = drift;
     if (at - drifts.begun > START_AFTER_S) {
-      const isFirst = Number.isNaN(drifts.start);
-      if (isFirst) drifts.start = drift;
+      if (Number.isNaN(drifts.start)) drifts.start = drift;
       drifts.most = Math.max(drifts.most, Math.abs(drift));
-      if (isFirst && Math.abs(drift) > START_JUMP_S) { quiet(); start(); return; }
     }
     if (Math.abs(drift) > JUMP_S) { quiet(); start(); return; }
     if (at - steeredAt < STEER_EVERY_S) return;

@@ -20,6 +20,8 @@ const BAUD: u32 = 1_000_000;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
     pub(super) at: Instant,
+    /// Time of the board, s.
+    pub(super) board_s: f64,
     /// Position of the output shaft, rad.
     pub(super) shaft_rad: f64,
     /// Pulse that the servo gets, µs; 0 without pulses.
@@ -62,9 +64,11 @@ fn serve(rig: &Path, joint: &str, port: &Port, stop: &AtomicBool) -> Vec<Seen> {
     let mut seen = Vec::new();
     let watch = |board: &mut SimulatedBoard<'_, RigPlant>| {
         let at = Instant::now();
+        let board_s = 1e-6 * board.now_us() as f64;
         board.look_at_servos(|servos| {
             let pulse_us = servos[servo].pulse_us().unwrap_or(0.0);
-            seen.push(Seen { at, shaft_rad: servos[servo].shaft().position_rad, pulse_us });
+            let shaft_rad = servos[servo].shaft().position_rad;
+            seen.push(Seen { at, board_s, shaft_rad, pulse_us });
         });
     };
     board.serve(port, stop, watch).unwrap();

@@ -1,8 +1,17 @@
 //! The time of the sound compared with that of the jaw: start, drift, and the clocks of both.
 
+use std::fmt;
+
 /// Share of its way at which an opening jaw counts, and the share below which it counts as closed again.
 const OPEN: f64 = 0.5;
 const CLOSED: f64 = 0.25;
+
+/// Limits at the start, and of the drift, s. People notice a sound that is 45 ms early or 125 ms late (ITU-R BT.1359).
+pub(super) const START_S: f64 = 0.04;
+const DRIFT_S: f64 = 0.02;
+/// Time before a click in which the machine must not have stopped the board, and a shift that does not count, s.
+const CALM_S: u32 = 7;
+const CALM_SHIFT_S: f64 = 0.003;
 
 /// How far the sound is behind the jaw.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,31 +26,42 @@ pub(super) struct Offsets {
 }
 
 impl Offsets {
-    /// Compares times of clicks with times of the jaw, s.
-    pub(super) fn of(clicks: &[f64], jaw: &[f64]) -> Self {
-        assert_eq!(clicks.len(), jaw.len(), "clicks, and openings of the jaw");
-        let late: Vec<f64> = clicks.iter().zip(jaw).map(|(click, jaw)| click - jaw).collect();
-        let count = late.len() as f64;
-        let mean = |of: &[f64]| of.iter().sum::<f64>() / count;
-        let (at, by) = (mean(jaw), mean(&late));
+    /// Compares times, s: of the jaw, and of the clicks that belong to them.
+    pub(super) fn of(pairs: &[(f64, f64)]) -> Self {
+        let late = || pairs.iter().map(|(jaw, click)| click - jaw);
+        let count = pairs.len() as f64;
+        let at = pairs.iter().map(|(jaw, _)| jaw).sum::<f64>() / count;
+        let by = late().sum::<f64>() / count;
         let sum = |of: &dyn Fn(f64, f64) -> f64| {
-            jaw.iter().zip(&late).map(|(t, late)| of(t - at, late - by)).sum::<f64>()
+            pairs.iter().zip(late()).map(|((jaw, _), late)| of(jaw - at, late - by)).sum::<f64>()
         };
         let slope = sum(&|t, late| t * late) / sum(&|t, _| t * t);
+        let (first, last) = (pairs[0], pairs[pairs.len() - 1]);
+        let start_s = first.1 - first.0;
         Self {
-            start_s: late[0],
-            most_s: late.iter().map(|each| (each - late[0]).abs()).fold(0.0, f64::max),
-            slope_s: slope * (jaw[jaw.len() - 1] - jaw[0]),
+            start_s,
+            most_s: late().map(|each| (each - start_s).abs()).fold(0.0, f64::max),
+            slope_s: slope * (last.0 - first.0),
         }
     }
 
-    /// Returns whether the limits of a show with a sound are kept: 40 ms at the start, 20 ms of drift.
+    /// Returns whether start and drift are within the limits.
     pub(super) fn is_in_time(&self) -> bool {
-        self.start_s.abs() < 0.04 && self.most_s < 0.02 && self.slope_s.abs() < 0.02
+        self.start_s.abs() < START_S && self.most_s < DRIFT_S && self.slope_s.abs() < DRIFT_S
     }
 }
 
-/// Returns the times at which a jaw opens by half: `positions` are times and positions; the last is that of the closed
+impl fmt::Display for Offsets {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [start, most, slope] = [self.start_s, self.most_s, self.slope_s].map(|s| 1e3 * s);
+        write!(
+            f,
+            "{start:.1} ms at the start, then a change of at most {most:.1} ms, by a line {slope:.1} ms"
+        )
+    }
+}
+
+/// Returns the times at which a jaw opens by half. `positions`: times and positions; the last is that of the closed
 /// jaw. The way from closed to open is the whole range of the positions.
 pub(super) fn openings(positions: &[(f64, f64)]) -> Vec<f64> {
     let all = || positions.iter().map(|(_, position)| *position);
@@ -61,31 +81,77 @@ pub(super) fn openings(positions: &[(f64, f64)]) -> Vec<f64> {
     times
 }
 
+/// The time of a simulated board, which must run in real time. A machine that is busy executes single ticks late; one
+/// that is too busy stops the board, and so shifts its time, which no real board does.
+pub(super) struct BoardClock {
+    /// Times of the board, and by how much later they were here, s.
+    delays: Vec<(f64, f64)>,
+}
+
+impl BoardClock {
+    /// Takes the times of ticks: of the board, and here.
+    pub(super) fn new(ticks: impl Iterator<Item = (f64, f64)>) -> Self {
+        Self { delays: ticks.map(|(board_s, here_s)| (board_s, here_s - board_s)).collect() }
+    }
+
+    /// Returns the least delay of a tick within half a second of a time of the board.
+    fn delay_s(&self, board_s: f64) -> f64 {
+        let from = self.delays.partition_point(|(at, _)| *at < board_s - 0.5);
+        let near = self.delays[from..].iter().take_while(|(at, _)| *at < board_s + 0.5);
+        near.map(|(_, delay)| *delay).fold(f64::MAX, f64::min)
+    }
+
+    /// Returns the time here of a time of the board.
+    pub(super) fn here_s(&self, board_s: f64) -> f64 {
+        board_s + self.delay_s(board_s)
+    }
+
+    /// Returns whether the board ran in real time before a time, for the seconds in which a page would still follow a
+    /// shift; not before `since_s`.
+    pub(super) fn is_calm(&self, board_s: f64, since_s: f64) -> bool {
+        let seconds = (0..CALM_S).map(|second| (board_s - f64::from(second)).max(since_s));
+        let delays = seconds.map(|at| self.delay_s(at));
+        let (low, high) = delays.fold((f64::MAX, f64::MIN), |(a, b), c| (a.min(c), b.max(c)));
+        high - low < CALM_SHIFT_S
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Returns times of clicks: at the times of the jaw, later, at another speed, and with a deviation of their own.
-    fn clicks(jaw: &[f64], late_s: f64, speed: f64, own: impl Fn(usize) -> f64) -> Vec<f64> {
-        let late = |(index, at): (usize, &f64)| late_s + at / speed + own(index);
-        jaw.iter().enumerate().map(late).collect()
-    }
-
     /// A page that delays the sound by 100 ms, does not correct 0.1 % of speed, or leaves the time once, is found.
     #[test]
     fn a_wrong_page_is_found() {
-        let jaw: Vec<f64> = (1..600).map(f64::from).collect();
-        let of = |late_s, speed, own: &dyn Fn(usize) -> f64| {
-            Offsets::of(&clicks(&jaw, late_s, speed, own), &jaw)
+        let of = |late_s: f64, speed: f64, own: &dyn Fn(u32) -> f64| {
+            let pair =
+                |second| (f64::from(second), late_s + f64::from(second) / speed + own(second));
+            Offsets::of(&(1..600).map(pair).collect::<Vec<_>>())
         };
-        let trembling = |index: usize| 0.004 * (index as f64).sin();
+        let trembling = |second: u32| 0.004 * f64::from(second).sin();
         assert!(of(0.02, 1.0, &trembling).is_in_time());
         assert!(!of(0.1, 1.0, &trembling).is_in_time());
         assert!(!of(-0.05, 1.0, &trembling).is_in_time());
         let fast = of(0.0, 1.001, &|_| 0.0);
         assert!((fast.slope_s + 0.598).abs() < 0.001 && !fast.is_in_time(), "{fast:?}");
         assert!(!of(0.0, 1.0 + 4e-5, &|_| 0.0).is_in_time(), "40 ppm are 24 ms in 10 minutes");
-        assert!(!of(0.0, 1.0, &|index| if index == 300 { 0.03 } else { 0.0 }).is_in_time());
+        assert!(!of(0.0, 1.0, &|second| if second == 300 { 0.03 } else { 0.0 }).is_in_time());
+    }
+
+    /// A tick that is late changes nothing; a board that was stopped is noticed, and is behind from then on.
+    #[test]
+    fn a_stopped_board_is_noticed() {
+        let here = |tick: u32| {
+            let board_s = f64::from(tick) / 100.0;
+            let late_s = if tick.is_multiple_of(7) { 0.02 } else { 0.0 };
+            let stopped_s = if tick > 2000 { 0.1 } else { 0.0 };
+            (board_s, 5.0 + board_s + late_s + stopped_s)
+        };
+        let clock = BoardClock::new((0..4000).map(here));
+        for (board_s, here_s) in [(10.0, 15.0), (30.0, 35.1)] {
+            assert!((clock.here_s(board_s) - here_s).abs() < 1e-9 && clock.is_calm(board_s, 0.0));
+        }
+        assert!(!clock.is_calm(22.0, 0.0) && clock.is_calm(22.0, 21.0));
     }
 
     #[test]

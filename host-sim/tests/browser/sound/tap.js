@@ -42,7 +42,7 @@ window.tap = { clicks: [], sounds: [], clocks: [], rate: 0 };
     window.tap.rate = context.sampleRate;
     setInterval(() => {
       const { contextTime, performanceTime } = context.getOutputTimestamp();
-      window.tap.clocks.push({ now_s: performance.now() / 1000, next_s: context.currentTime, latency_s: context.outputLatency,
+      window.tap.clocks.push({ now_s: performance.now() / 1000, next_s: context.currentTime, latency_s: context.outputLatency + context.baseLatency,
         context_s: contextTime, heard_s: performanceTime / 1000 });
     }, 50);
   };
