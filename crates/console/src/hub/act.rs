@@ -20,6 +20,12 @@ const START: Duration = Duration::from_secs(1);
 pub(super) const READY: Duration = Duration::from_secs(10);
 pub(super) const AGAIN: Duration = Duration::from_millis(100);
 
+/// Largest age of a summary that counts: a show does not go on while the board is silent.
+const SUMMARY_AGE: Duration = Duration::from_millis(20);
+
+/// Time after its expected start after which a show that has not started is late.
+const START_LATE: Duration = Duration::from_millis(100);
+
 /// A motion that goes on.
 #[derive(Debug)]
 pub(super) enum Act {
@@ -55,14 +61,22 @@ pub(super) struct Playing {
 }
 
 impl Playing {
-    /// Returns the time in the show, s: before the show starts it is negative, or 0 if the start is not known or is late.
-    pub(super) fn place_s(&self, log: &TelemetryLog, now: Duration) -> f32 {
+    /// Returns the time in the show, s, from a log whose summary arrived at `heard`. Before the show starts it is
+    /// negative, or 0 if the start is not known or is late.
+    pub(super) fn place_s(&self, log: &TelemetryLog, [heard, now]: [Duration; 2]) -> f32 {
         let show_ms = log.summary.map_or(0, |summary| summary.show_ms);
         // The summary may be from before the command to play.
         if log.summaries >= self.before + 2 && show_ms > 0 {
-            return Duration::from_millis(show_ms.into()).as_secs_f32();
+            let since = now.saturating_sub(heard).min(SUMMARY_AGE);
+            return (Duration::from_millis(show_ms.into()) + since).as_secs_f32();
         }
-        -self.starts.map_or(0.0, |starts| starts.saturating_sub(now).as_secs_f32())
+        let Some(starts) = self.starts else { return 0.0 };
+        match now.checked_sub(starts) {
+            None => -starts.saturating_sub(now).as_secs_f32(),
+            // The board may have started since its last summary.
+            Some(since) if since < START_LATE => since.as_secs_f32(),
+            Some(_) => 0.0,
+        }
     }
 }
 

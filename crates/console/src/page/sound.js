@@ -10,9 +10,12 @@ const JUMP_S = 0.15;
 // Share of the drift that is corrected in a second; and interval of corrections, s.
 const GAIN = 0.4;
 const STEER_EVERY_S = 0.25;
-// The board's times arrive late, never early. Of those in this window, the one that arrived with the least delay sets
-// the clock, s.
+// The board's times arrive late, never early. Of those in this window, the one that arrived with the least delay counts,
+// s. If all are late, the clock falls behind by no more than this share of the time, because the board's clock is even,
+// unless they are later by this time: then the board's clock has changed, s.
 const WINDOW_S = 2;
+const FALL = 0.005;
+const SHIFT_S = 0.03;
 // The start of a show is expected. The sound is planned at most this long before it, s.
 const BEFORE_S = 0.2;
 const FADE_S = 0.005;
@@ -27,16 +30,21 @@ const now = () => performance.now() / 1000;
 
 // Estimates the board's time in the show from the times in the frames.
 export const placeClock = () => {
-  let seen = [];
+  let seen = [], lead = NaN, since = 0;
   return {
-    reset: () => { seen = []; },
+    reset: () => { seen = []; lead = NaN; },
     take: (place, at) => {
+      const last = seen.at(-1);
       // A loop or the show has started again.
-      if (seen.length > 0 && Math.abs(place - at - seen.at(-1).lead) > 0.5) seen = [];
+      const isNew = !last || Math.abs(place - at - last.lead) > 0.5;
+      if (isNew) [seen, since] = [[], at];
       seen.push({ lead: place - at, at });
       while (seen[0].at < at - WINDOW_S) seen.shift();
+      const best = Math.max(...seen.map((one) => one.lead));
+      const isChanged = isNew || at - since > WINDOW_S && lead - best > SHIFT_S;
+      lead = isChanged ? best : Math.max(best, lead - FALL * (at - last.at));
     },
-    place: (at) => seen.length > 0 ? at + Math.max(...seen.map(({ lead }) => lead)) : NaN,
+    place: (at) => at + lead,
   };
 };
 

@@ -10,7 +10,7 @@ const CLOSED: f64 = 0.25;
 pub(super) const START_S: f64 = 0.04;
 const DRIFT_S: f64 = 0.02;
 /// Time before a click in which the machine must not have stopped the board, and a shift that does not count, s.
-const CALM_S: u32 = 7;
+const CALM_S: u32 = 12;
 const CALM_SHIFT_S: f64 = 0.003;
 
 /// How far the sound is behind the jaw.
