@@ -133,10 +133,9 @@ impl<L: Line> Hub<'_, L> {
     /// Begins to play the loaded show.
     pub(super) fn begin_show(&mut self, repeats: bool, is_loop: bool) -> Result<(), Refused> {
         let way = self.way_to_show();
-        let asked = self.now();
         self.ask(Command::Play(Feed::Show))?;
-        // The board has begun between question and answer.
-        let begun = (asked + self.now()) / 2;
+        // The board answers in the tick in which it begins.
+        let begun = self.now();
         let (before, ends) = (self.board.log.summaries, is_loop && !repeats);
         let starts = way.map(|way| begun + way);
         self.act = Some(Act::Show(Playing { repeats, ends, before, show_ms: 0, starts }));

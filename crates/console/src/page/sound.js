@@ -5,8 +5,8 @@ import { byId, setDisabled, setHidden, write } from "./dom.js";
 // Time by which the start is planned ahead, so that the first sample is not late, s.
 const AHEAD_S = 0.03;
 // Largest change of the speed; and drift from which the sound jumps instead, s.
-const RATE_MOST = 0.02;
-const JUMP_S = 0.15;
+const RATE_MOST = 0.005;
+const JUMP_S = 0.08;
 // Share of the drift that is corrected in a second; and interval of corrections, s.
 const GAIN = 0.4;
 const STEER_EVERY_S = 0.25;

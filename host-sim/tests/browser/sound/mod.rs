@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use crate::common::sinew_in;
-use crate::console::{Served, arm, wait_for_state, wait_until};
+use crate::console::{Served, arm, text, wait_for_state, wait_until};
 use crate::page::Page;
 use heard::{Compared, Heard, TAP, compare};
 use offsets::{BoardClock, Offsets, START_S, openings};
@@ -50,6 +50,8 @@ struct Played {
     /// The page's clock before and after the show.
     compared: [Compared; 2],
     end_s: f64,
+    /// Log of the console's page.
+    log: String,
 }
 
 impl Played {
@@ -65,7 +67,8 @@ impl Played {
         wait_for_state(page, "holding");
         wait_for_sound(page, false);
         let compared = [before, compare(page, start)];
-        Self { start, heard: Heard::of(page), compared, end_s: start.elapsed().as_secs_f64() }
+        let (heard, log) = (Heard::of(page), text(page, "events"));
+        Self { start, heard, compared, end_s: start.elapsed().as_secs_f64(), log }
     }
 
     /// Returns a time of the page.
@@ -132,7 +135,7 @@ fn judge(played: &Played, seen: &[board::Seen], seconds: u32) {
     let heard = &played.heard;
     let count = seconds as usize - 1;
     let counts = [heard.clicks.len(), goals.len(), jaw.len()];
-    assert_eq!(counts, [count; 3], "clicks, goals, openings; sounds: {:?}", heard.sounds);
+    assert_eq!(counts, [count; 3], "clicks, goals, openings; {:?}; {}", heard.sounds, played.log);
     for (index, (at, until)) in heard.clicks.iter().enumerate() {
         let duration_s = until.unwrap() - at;
         // A click is 3 ms longer or shorter than the next; steering changes it by 2 % at most.
