@@ -12,14 +12,26 @@ use std::time::Instant;
 use crate::common::sinew_in;
 use crate::console::{Served, arm, text, wait_for_state, wait_until};
 use crate::page::Page;
+use board::Seen;
 use heard::{Compared, Heard, TAP, compare};
 use offsets::{BoardClock, Offsets, START_S, openings};
 
 /// Largest uncertainty of a comparison of the sound's time with the jaw's, s: an eighth of the limit of the drift.
 const UNCERTAIN_S: f64 = 0.0025;
 
-/// The machine has stopped the simulated board too often.
-const BUSY: &str = "this machine is too busy to measure: it has stopped the simulated board";
+/// Number of attempts to measure on a machine that stops the simulated board.
+const TRIES: usize = 3;
+
+/// The machine has stopped the simulated board too often, which shifts the show's time.
+#[derive(Debug)]
+#[expect(dead_code, reason = "the failed test prints them")]
+struct Busy {
+    /// Number of clicks before which the board ran in real time, and number of all clicks.
+    calm: usize,
+    of: usize,
+    /// Whether the first click is one of them.
+    is_first_calm: bool,
+}
 
 /// Returns the duration of the show, s: that of the variable `SINEW_SOUND_S`, otherwise 40.
 fn duration_s() -> u32 {
@@ -71,10 +83,10 @@ impl Played {
         Self { start, heard, compared, end_s: start.elapsed().as_secs_f64(), log }
     }
 
-    /// Returns a time of the page.
-    fn of_page(&self, page_s: f64) -> f64 {
+    /// Returns the time at which a time of the audio context was heard.
+    fn of_context(&self, at_s: f64) -> f64 {
         let [before, after] = self.compared;
-        page_s - 0.5 * (before.start_s + after.start_s)
+        self.heard.told_s(at_s) - 0.5 * (before.start_s + after.start_s)
     }
 
     /// Returns the largest error of a click's time, s: of the comparison of clocks, and the difference between two ways
@@ -82,12 +94,9 @@ impl Played {
     fn uncertain_s(&self) -> f64 {
         let [before, after] = self.compared;
         let clocks_s = before.error_s.max(after.error_s) + (before.start_s - after.start_s).abs();
-        let ways = self
-            .heard
-            .clicks
-            .iter()
-            .map(|(at, _)| (self.heard.told_s(*at) - self.heard.computed_s(*at)).abs());
-        let mut ways: Vec<f64> = ways.collect();
+        let heard = &self.heard;
+        let way = |at: f64| (heard.told_s(at) - heard.computed_s(at)).abs();
+        let mut ways: Vec<f64> = heard.clicks.iter().map(|(at, _)| way(*at)).collect();
         ways.sort_by(f64::total_cmp);
         clocks_s + ways[ways.len() / 2]
     }
@@ -100,12 +109,22 @@ fn the_sound_keeps_the_time_of_the_board() {
     let folder = tempfile::tempdir().unwrap();
     let seconds = duration_s();
     bake(folder.path(), seconds);
+    let busy: Vec<Busy> =
+        (0..TRIES).map_while(|_| played(folder.path(), seconds, judge).err()).collect();
+    assert!(busy.len() < TRIES, "{busy:?}");
+}
+
+/// Plays the show on a console with a new board, and lets `judge` compare sound and jaw.
+fn played<T>(folder: &Path, seconds: u32, judge: impl FnOnce(&Played, &[Seen], u32) -> T) -> T {
     let start = Instant::now();
     let mut played = None;
-    let (rig, link) = (folder.path().join("face.toml"), folder.path().join("board"));
-    let seen = board::watched(&rig, "jaw", &link, || {
+    let seen = board::watched(&folder.join("face.toml"), "jaw", &folder.join("board"), || {
+        // A machine that stops the console for 0.2 s must not end the show.
+        let set = "board settings --port board set link_hold_s 1.5";
+        let set: Vec<_> = set.split(' ').collect();
+        assert!(sinew_in(folder, &set).status.success());
         let options = ["--rig", "face.toml", "--target", "board", "--no-open", "clicks.show"];
-        let console = Served::start_in(folder.path(), &options);
+        let console = Served::start_in(folder, &options);
         console.with_page_after(TAP, |page| {
             played = Some(Played::once(page, start, seconds));
             // A hold stops the sound, too.
@@ -118,13 +137,12 @@ fn the_sound_keeps_the_time_of_the_board() {
             assert!(last.is_some_and(|(_, end)| end.is_some()), "the sound is over: {last:?}");
         });
     });
-    let played = played.unwrap();
-    judge(&played, &seen, seconds);
+    judge(&played.unwrap(), &seen, seconds)
 }
 
-/// Compares the sound of a played show with what was seen of its jaw.
-fn judge(played: &Played, seen: &[board::Seen], seconds: u32) {
-    let here_s = |seen: &board::Seen| (seen.at - played.start).as_secs_f64();
+/// Compares the sound of a played show with what was seen of its jaw. Returns an error if the machine was too busy.
+fn judge(played: &Played, seen: &[Seen], seconds: u32) -> Result<(), Busy> {
+    let here_s = |seen: &Seen| (seen.at - played.start).as_secs_f64();
     let during = || seen.iter().filter(|seen| here_s(seen) < played.end_s);
     let clock = BoardClock::new(during().map(|seen| (seen.board_s, here_s(seen))));
     let goals: Vec<_> = (during().map(|seen| (seen.board_s, seen.pulse_us)))
@@ -132,42 +150,46 @@ fn judge(played: &Played, seen: &[board::Seen], seconds: u32) {
         .collect();
     let jaw: Vec<_> = during().map(|seen| (seen.board_s, seen.shaft_rad)).collect();
     let [goals, jaw] = [goals, jaw].map(|positions| openings(&positions));
-    let heard = &played.heard;
     let count = seconds as usize - 1;
-    let counts = [heard.clicks.len(), goals.len(), jaw.len()];
-    assert_eq!(counts, [count; 3], "clicks, goals, openings; {:?}; {}", heard.sounds, played.log);
-    for (index, (at, until)) in heard.clicks.iter().enumerate() {
-        let duration_s = until.unwrap() - at;
-        // A click is 3 ms longer or shorter than the next; steering changes it by 2 % at most.
-        assert!((duration_s - clicks::duration_s(index)).abs() < 0.0015, "{index}: {duration_s} s");
-    }
+    assert_eq!([goals.len(), jaw.len()], [count; 2], "goals, openings; {}", played.log);
 
-    let heard_s = |at: f64| played.of_page(heard.told_s(at));
+    let heard = &played.heard;
     // The show's clock starts a second before its first click.
     let begin_s = goals[0] - 1.0;
-    let mut by_jaw = Vec::new();
-    let mut by_goal = Vec::new();
-    for (index, (at, _)) in heard.clicks.iter().enumerate() {
-        let click_s = heard_s(*at);
-        let [jaw_s, goal_s] = [jaw[index], goals[index]].map(|board_s| clock.here_s(board_s));
-        let counts = clock.is_calm(goals[index], begin_s - 1.0);
-        let late = [click_s - jaw_s, click_s - goal_s].map(|late_s| 1e3 * late_s);
-        println!("click {index}: {late:.1?} ms behind the jaw and its goal; counts: {counts}");
-        assert!(counts || index > 0, "{BUSY}");
-        if counts {
-            by_jaw.push((jaw_s, click_s));
-            by_goal.push((goal_s, click_s));
+    let [mut by_jaw, mut by_goal] = [Vec::new(), Vec::new()];
+    for (index, (goal, jaw)) in goals.iter().zip(&jaw).enumerate() {
+        if !clock.is_calm(*goal, begin_s - 1.0) {
+            continue;
         }
+        let [goal_s, jaw_s] = [goal, jaw].map(|board_s| clock.here_s(*board_s));
+        let near = |(at, _): &&(f64, Option<f64>)| (played.of_context(*at) - goal_s).abs() < 0.4;
+        let near: Vec<_> = heard.clicks.iter().filter(near).collect();
+        let [(at, Some(until))] = near[..] else {
+            panic!("click {index} was heard {} times; {:?}", near.len(), heard.sounds);
+        };
+        // A click is 3 ms longer or shorter than the next; steering changes it by 0.5 % at most.
+        let longer_s = until - at - clicks::duration_s(index);
+        assert!(longer_s.abs() < 0.0015, "click {index} is {:.1} ms longer", 1e3 * longer_s);
+        let click_s = played.of_context(*at);
+        let late = [click_s - jaw_s, click_s - goal_s].map(|late_s| 1e3 * late_s);
+        println!("click {index}: {late:.1?} ms behind the jaw and its goal");
+        by_jaw.push((jaw_s, click_s));
+        by_goal.push((goal_s, click_s));
     }
-    assert!(2 * by_jaw.len() >= count, "{BUSY}");
+    let is_first_calm = clock.is_calm(goals[0], begin_s - 1.0);
+    if !is_first_calm || 2 * by_jaw.len() < count {
+        return Err(Busy { calm: by_jaw.len(), of: count, is_first_calm });
+    }
+    let counted = by_jaw.len();
     let [by_jaw, by_goal] = [by_jaw, by_goal].map(|pairs| Offsets::of(&pairs));
-    // The first sound is audible at once, not only in time.
-    let begin_late_s = heard_s(heard.sounds[0].0) - clock.here_s(begin_s);
-    println!("{seconds} s. The sound behind the jaw: {by_jaw}");
-    println!("behind the goals of the jaw: {by_goal}");
-    println!("it begins {:.1} ms after the show's clock", 1e3 * begin_late_s);
-    println!("uncertain: {:.1} ms", 1e3 * played.uncertain_s());
-    assert!(played.uncertain_s() < UNCERTAIN_S);
+    let begin_late_s = played.of_context(heard.sounds[0].0) - clock.here_s(begin_s);
+    let uncertain_s = played.uncertain_s();
+    println!("{seconds} s, {counted} of {count} clicks. Sound behind the jaw: {by_jaw}");
+    println!("Sound behind the jaw's goals: {by_goal}");
+    println!("Begin of the sound behind the show's clock: {:.1} ms", 1e3 * begin_late_s);
+    println!("Uncertainty: {:.1} ms", 1e3 * uncertain_s);
+    assert!(uncertain_s < UNCERTAIN_S, "{uncertain_s} s");
     assert!(by_jaw.is_in_time(), "{by_jaw}");
     assert!(begin_late_s.abs() < START_S, "{begin_late_s} s");
+    Ok(())
 }
