@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use serde::Deserialize;
 
+use super::offsets::{CALM_S, CALM_SHIFT_S};
 use crate::page::Page;
 
 /// Script that listens to what a page plays. It must run before the page's own scripts.
@@ -80,6 +81,17 @@ impl Heard {
             .collect();
         late.sort_by(f64::total_cmp);
         at_s + late[late.len() / 2]
+    }
+
+    /// Returns whether the machine has computed the sound in time before a time of the context, for the seconds in which a
+    /// page would still follow. A block that is missing makes all later sound late.
+    pub(super) fn is_calm(&self, at_s: f64) -> bool {
+        let from_s = (at_s - f64::from(CALM_S)).max(self.sounds[0].0);
+        let during = |clocks: &&Clocks| (from_s..at_s + NEAR_S).contains(&clocks.next_s);
+        let late =
+            self.clocks.iter().filter(during).map(|clocks| clocks.heard_s - clocks.context_s);
+        let (low, high) = late.fold((f64::MAX, f64::MIN), |(a, b), c| (a.min(c), b.max(c)));
+        high - low < CALM_SHIFT_S
     }
 
     /// Returns the same time in another way: the block was computed no later than the context's time had passed it, and

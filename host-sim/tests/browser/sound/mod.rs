@@ -19,14 +19,14 @@ use offsets::{BoardClock, Offsets, START_S, openings};
 /// Largest uncertainty of a comparison of the sound's time with the jaw's, s: an eighth of the limit of the drift.
 const UNCERTAIN_S: f64 = 0.0025;
 
-/// Number of attempts to measure on a machine that stops the simulated board.
+/// Number of attempts to measure on a machine that stops the simulated board or the browser.
 const TRIES: usize = 3;
 
-/// The machine has stopped the simulated board too often, which shifts the show's time.
+/// The machine has stopped the simulated board or the browser too often, which shifts their times.
 #[derive(Debug)]
 #[expect(dead_code, reason = "the failed test prints them")]
 struct Busy {
-    /// Number of clicks before which the board ran in real time, and number of all clicks.
+    /// Number of clicks before which board and sound ran in real time, and number of all clicks.
     calm: usize,
     of: usize,
     /// Whether the first click is one of them.
@@ -156,27 +156,32 @@ fn judge(played: &Played, seen: &[Seen], seconds: u32) -> Result<(), Busy> {
     let heard = &played.heard;
     // The show's clock starts a second before its first click.
     let begin_s = goals[0] - 1.0;
+    let clicks: Vec<_> =
+        heard.clicks.iter().map(|click| (played.of_context(click.0), *click)).collect();
+    let mut is_first_calm = false;
     let [mut by_jaw, mut by_goal] = [Vec::new(), Vec::new()];
     for (index, (goal, jaw)) in goals.iter().zip(&jaw).enumerate() {
         if !clock.is_calm(*goal, begin_s - 1.0) {
             continue;
         }
         let [goal_s, jaw_s] = [goal, jaw].map(|board_s| clock.here_s(*board_s));
-        let near = |(at, _): &&(f64, Option<f64>)| (played.of_context(*at) - goal_s).abs() < 0.4;
-        let near: Vec<_> = heard.clicks.iter().filter(near).collect();
-        let [(at, Some(until))] = near[..] else {
+        let near: Vec<_> =
+            clicks.iter().filter(|(click_s, _)| (click_s - goal_s).abs() < 0.4).collect();
+        if near.iter().any(|(_, (at, _))| !heard.is_calm(*at)) {
+            continue;
+        }
+        let [(click_s, (at, Some(until)))] = near[..] else {
             panic!("click {index} was heard {} times; {:?}", near.len(), heard.sounds);
         };
         // A click is 3 ms longer or shorter than the next; steering changes it by 0.5 % at most.
         let longer_s = until - at - clicks::duration_s(index);
         assert!(longer_s.abs() < 0.0015, "click {index} is {:.1} ms longer", 1e3 * longer_s);
-        let click_s = played.of_context(*at);
         let late = [click_s - jaw_s, click_s - goal_s].map(|late_s| 1e3 * late_s);
         println!("click {index}: {late:.1?} ms behind the jaw and its goal");
-        by_jaw.push((jaw_s, click_s));
-        by_goal.push((goal_s, click_s));
+        is_first_calm |= index == 0;
+        by_jaw.push((jaw_s, *click_s));
+        by_goal.push((goal_s, *click_s));
     }
-    let is_first_calm = clock.is_calm(goals[0], begin_s - 1.0);
     if !is_first_calm || 2 * by_jaw.len() < count {
         return Err(Busy { calm: by_jaw.len(), of: count, is_first_calm });
     }
