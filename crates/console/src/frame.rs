@@ -25,6 +25,7 @@ pub(crate) struct Frame<'a> {
     pub(crate) fault: Option<u8>,
     pub(crate) flags: u8,
     pub(crate) t_s: f32,
+    /// Time in the show, s; negative before the show starts.
     pub(crate) place_s: Option<f32>,
     pub(crate) supply_v: f32,
     pub(crate) tick_us: u16,

@@ -4,7 +4,7 @@ use serde::Serialize;
 use sinew_board_client::{TelemetryLog, pose};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Limit, State};
-use sinew_performance::play::{Drive, RigParts};
+use sinew_performance::play::{Drive, RigParts, Ways};
 use sinew_report::rig::bodies;
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{JointModel, Link, Ties};
@@ -57,6 +57,8 @@ pub struct Scene {
     pub(crate) blocks: Vec<(usize, usize)>,
     /// Ties, by which joints follow other joints.
     ties: Ties,
+    /// Ways to the beginnings of shows; `None` without a rig.
+    ways: Option<Box<Ways>>,
 }
 
 /// A dof with its slider.
@@ -162,6 +164,7 @@ impl Scene {
             home: mechanism.home().into_iter().map(single).collect(),
             blocks: blocks.collect(),
             ties: mechanism.ties(),
+            ways: Some(Box::new(parts.ways())),
             dofs,
         }
     }
@@ -186,6 +189,12 @@ impl Scene {
         Some(format!("`{}` follows `{}`: move `{}`", dof.name, leader.name, leader.name))
     }
 
+    /// Returns the time from the command to play a show until its clock starts, s, if the rig rests in a pose. `None` if
+    /// it cannot be computed.
+    pub(crate) fn way_s(&self, show: &[u8], from: &[f32]) -> Option<f32> {
+        Some(self.ways.as_ref()?.approach(show, from)?.way_s)
+    }
+
     /// Creates a scene without a rig, for a hub that has no pages and moves nothing.
     pub fn empty() -> Self {
         Self {
@@ -196,6 +205,7 @@ impl Scene {
             home: Vec::new(),
             blocks: Vec::new(),
             ties: Ties::default(),
+            ways: None,
         }
     }
 

@@ -45,9 +45,16 @@ impl Served {
         assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
     }
 
-    /// Returns the address without the token: all addresses that the page may request begin with it.
-    pub(crate) fn origin(&self) -> &str {
-        self.address.split('#').next().unwrap()
+    /// Opens the page, and calls `read` with it. The page may request nothing but files of its console.
+    pub(crate) fn with_page(&self, read: impl FnOnce(&Page)) {
+        self.with_page_after("", read);
+    }
+
+    /// As [`Self::with_page`], with a script that runs before those of the page.
+    pub(crate) fn with_page_after(&self, script: &str, read: impl FnOnce(&Page)) {
+        // All addresses of files begin with that of the page, without the token.
+        let origin = self.address.split('#').next().unwrap();
+        with_url(script, &self.address, |request| request.starts_with(origin), read);
     }
 }
 
@@ -114,27 +121,22 @@ fn a_rig_is_armed_moved_played_and_stopped_from_the_page() {
     let folder = tempfile::tempdir().unwrap();
     let [rig, show] = arm_and_show(folder.path());
     let console = Served::start_in(folder.path(), &["--rig", &rig, &show]);
-    let origin = console.origin().to_owned();
-    with_url(
-        &console.address,
-        |request| request.starts_with(&origin),
-        |page| {
-            wait_for_state(page, "limp");
-            space_and_a_short_press_do_not_arm(page);
-            arm(page);
-            sliders_move_joints_while_they_are_held(page);
-            a_scrub_moves_the_ghost_alone(page);
-            the_show_plays_loops_and_is_held(page);
-            an_emergency_stop_is_a_fault_that_is_cleared(page);
-            a_session_is_recorded(page, folder.path());
-            arm(page);
-            page.hold("#stop", 50);
-            wait_for_state(page, "limp");
-            for width in [1280, 400] {
-                page.assert_fits(width);
-            }
-        },
-    );
+    console.with_page(|page| {
+        wait_for_state(page, "limp");
+        space_and_a_short_press_do_not_arm(page);
+        arm(page);
+        sliders_move_joints_while_they_are_held(page);
+        a_scrub_moves_the_ghost_alone(page);
+        the_show_plays_loops_and_is_held(page);
+        an_emergency_stop_is_a_fault_that_is_cleared(page);
+        a_session_is_recorded(page, folder.path());
+        arm(page);
+        page.hold("#stop", 50);
+        wait_for_state(page, "limp");
+        for width in [1280, 400] {
+            page.assert_fits(width);
+        }
+    });
 }
 
 fn space_and_a_short_press_do_not_arm(page: &Page) {
@@ -235,39 +237,32 @@ fn faults_are_told_with_joint_and_remedy_and_are_cleared() {
     // The second fault comes when the rig, lowered by the first, is armed again.
     let faults = ["--fault", "2:silent@10s+4s", "--fault", "3:hot=67@55s+4s"];
     let console = Served::start(&faults);
-    let origin = console.origin().to_owned();
-    with_url(
-        &console.address,
-        |request| request.starts_with(&origin),
-        |page| {
-            wait_for_state(page, "limp");
-            for (fault, joint, flag) in
-                [("servo silent", "bend2", "bus errors"), ("hot, measured", "bend3", "hot")]
-            {
-                // While torque is off, such a fault is only noted.
-                arm(page);
-                let told = "document.getElementById('faults').textContent";
-                wait_until(page, &format!("{told}.includes(\"{fault}\")"));
-                let panel = text(page, "faults");
-                assert!(panel.contains(joint) && panel.contains("To do: "), "{panel}");
-                wait_until(
-                    page,
-                    &format!(
-                        "document.getElementById('servo-table').textContent.includes('{flag}')"
-                    ),
-                );
-                let log = text(page, "events");
-                assert!(log.contains(fault), "{log}");
-                // The clear is refused until the cause is gone.
-                let begun = Instant::now();
-                while page.ask("document.getElementById('faults').hidden") != true {
-                    assert!(begun.elapsed() < PATIENCE, "{}", text(page, "answer"));
-                    page.ask("document.querySelector('#faults .clear')?.click()");
-                    page.wait_ms(500);
-                }
+    console.with_page(|page| {
+        wait_for_state(page, "limp");
+        for (fault, joint, flag) in
+            [("servo silent", "bend2", "bus errors"), ("hot, measured", "bend3", "hot")]
+        {
+            // While torque is off, such a fault is only noted.
+            arm(page);
+            let told = "document.getElementById('faults').textContent";
+            wait_until(page, &format!("{told}.includes(\"{fault}\")"));
+            let panel = text(page, "faults");
+            assert!(panel.contains(joint) && panel.contains("To do: "), "{panel}");
+            wait_until(
+                page,
+                &format!("document.getElementById('servo-table').textContent.includes('{flag}')"),
+            );
+            let log = text(page, "events");
+            assert!(log.contains(fault), "{log}");
+            // The clear is refused until the cause is gone.
+            let begun = Instant::now();
+            while page.ask("document.getElementById('faults').hidden") != true {
+                assert!(begun.elapsed() < PATIENCE, "{}", text(page, "answer"));
+                page.ask("document.querySelector('#faults .clear')?.click()");
+                page.wait_ms(500);
             }
-        },
-    );
+        }
+    });
 }
 
 #[test]
@@ -279,61 +274,50 @@ fn a_recording_is_watched_on_the_page() {
     let play = ["play", &show, "--rig", &rig, "--fast", "--record", &recording];
     assert!(sinew_in(folder.path(), &play).status.success());
     let console = Served::start(&[&recording]);
-    let origin = console.origin().to_owned();
-    with_url(
-        &console.address,
-        |request| request.starts_with(&origin),
-        |page| {
-            // The recording begins at power-on.
-            wait_for_state(page, "off");
-            assert_eq!(page.ask("document.getElementById('commands').hidden"), true);
-            page.drag("#scrub", [0.1, 0.5], || page.wait_ms(300));
-            wait_for_state(page, "playing");
-            let place = || {
-                let place = page.ask("parseFloat(document.getElementById('place').textContent)");
-                place.as_f64().unwrap()
-            };
-            let before = place();
-            page.hold("#play", 50);
-            wait_until(page, "document.getElementById('play-text').textContent === 'Pause'");
-            page.wait_ms(1000);
-            page.hold("#play", 50);
-            wait_until(page, "document.getElementById('play-text').textContent === 'Play'");
-            let after = place();
-            assert!((0.8..4.0).contains(&(after - before)), "{before} to {after}");
-            page.wait_ms(500);
-            assert!((place() - after).abs() < 0.1);
-            for width in [1280, 400] {
-                page.assert_fits(width);
-            }
-        },
-    );
+    console.with_page(|page| {
+        // The recording begins at power-on.
+        wait_for_state(page, "off");
+        assert_eq!(page.ask("document.getElementById('commands').hidden"), true);
+        page.drag("#scrub", [0.1, 0.5], || page.wait_ms(300));
+        wait_for_state(page, "playing");
+        let place = || {
+            let place = page.ask("parseFloat(document.getElementById('place').textContent)");
+            place.as_f64().unwrap()
+        };
+        let before = place();
+        page.hold("#play", 50);
+        wait_until(page, "document.getElementById('play-text').textContent === 'Pause'");
+        page.wait_ms(1000);
+        page.hold("#play", 50);
+        wait_until(page, "document.getElementById('play-text').textContent === 'Play'");
+        let after = place();
+        assert!((0.8..4.0).contains(&(after - before)), "{before} to {after}");
+        page.wait_ms(500);
+        assert!((place() - after).abs() < 0.1);
+        for width in [1280, 400] {
+            page.assert_fits(width);
+        }
+    });
 }
 
 #[test]
 #[ignore = "needs SINEW_CHROMIUM"]
 fn a_page_without_its_console_controls_nothing() {
-    let mut console = Served::start(&[]);
-    let origin = console.origin().to_owned();
-    let address = console.address.clone();
+    let console = Served::start(&[]);
     // A refused connection is an error of the browser's console, therefore it is counted by hand.
-    with_url(
-        &address,
-        |request| request.starts_with(&origin),
-        |page| {
-            wait_for_state(page, "limp");
-            page.ask("WebSocket = class extends EventTarget { static OPEN = 1 }");
-            console.process.kill().unwrap();
-            wait_until(page, "!document.getElementById('lost').hidden");
-            let enabled = page.ask(
-                "[...document.querySelectorAll('button:enabled')].map(e => e.id).filter(id => id)",
-            );
-            let harmless = ["front", "tab-joints", "tab-servos", "tab-log"];
-            for id in enabled.as_array().unwrap() {
-                assert!(harmless.contains(&id.as_str().unwrap()), "{id} pretends to work");
-            }
-            assert_eq!(page.ask("document.getElementById('hold').disabled"), true);
-            assert_eq!(page.ask("document.querySelectorAll('#sliders input:enabled').length"), 0);
-        },
-    );
+    console.with_page(|page| {
+        wait_for_state(page, "limp");
+        page.ask("WebSocket = class extends EventTarget { static OPEN = 1 }");
+        console.signal("-KILL");
+        wait_until(page, "!document.getElementById('lost').hidden");
+        let enabled = page.ask(
+            "[...document.querySelectorAll('button:enabled')].map(e => e.id).filter(id => id)",
+        );
+        let harmless = ["front", "tab-joints", "tab-servos", "tab-log"];
+        for id in enabled.as_array().unwrap() {
+            assert!(harmless.contains(&id.as_str().unwrap()), "{id} pretends to work");
+        }
+        assert_eq!(page.ask("document.getElementById('hold').disabled"), true);
+        assert_eq!(page.ask("document.querySelectorAll('#sliders input:enabled').length"), 0);
+    });
 }

@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use crate::common::{command, sinew_in};
 use crate::console::{Served, arm, text, wait_for_state, wait_until};
-use crate::page::with_url;
 
 /// A simulated board on a pseudo-terminal.
 struct OnPty(Child);
@@ -43,28 +42,23 @@ fn a_lost_link_is_told_and_cleared() {
     let board = OnPty::start(folder.path());
     let console =
         Served::start_in(folder.path(), &["--rig", "arm.toml", "--target", "board", "--no-open"]);
-    let origin = console.origin().to_owned();
-    with_url(
-        &console.address,
-        |request| request.starts_with(&origin),
-        |page| {
-            arm(page);
-            console.signal("-STOP");
-            wait_until(page, "document.getElementById('lost-title').textContent === 'No news'");
-            assert_eq!(page.ask("document.getElementById('lost').hidden"), false);
-            assert_eq!(page.ask("document.querySelectorAll('#sliders input:enabled').length"), 0);
-            page.wait_ms(3000);
-            console.signal("-CONT");
-            wait_until(page, "document.getElementById('faults').textContent.includes('link lost')");
-            let panel = text(page, "faults");
-            assert!(panel.contains("To do: "), "{panel}");
-            let is_clear = "document.getElementById('faults').hidden";
-            let clear = "document.querySelector('#faults .clear')?.click()";
-            wait_until(page, &format!("({clear}, {is_clear})"));
-            wait_for_state(page, "limp");
-            wait_until(page, "document.getElementById('lost').hidden");
-            arm(page);
-        },
-    );
+    console.with_page(|page| {
+        arm(page);
+        console.signal("-STOP");
+        wait_until(page, "document.getElementById('lost-title').textContent === 'No news'");
+        assert_eq!(page.ask("document.getElementById('lost').hidden"), false);
+        assert_eq!(page.ask("document.querySelectorAll('#sliders input:enabled').length"), 0);
+        page.wait_ms(3000);
+        console.signal("-CONT");
+        wait_until(page, "document.getElementById('faults').textContent.includes('link lost')");
+        let panel = text(page, "faults");
+        assert!(panel.contains("To do: "), "{panel}");
+        let is_clear = "document.getElementById('faults').hidden";
+        let clear = "document.querySelector('#faults .clear')?.click()";
+        wait_until(page, &format!("({clear}, {is_clear})"));
+        wait_for_state(page, "limp");
+        wait_until(page, "document.getElementById('lost').hidden");
+        arm(page);
+    });
     drop((console, board));
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::common::sinew_in;
 use crate::console::{Served, arm, wait_for_state};
-use crate::page::{Page, with_url};
+use crate::page::Page;
 
 /// Widths of screens, and the height of each.
 const SCREENS: [[u32; 2]; 2] = [[1280, 800], [400, 850]];
@@ -15,45 +15,40 @@ const CONTRAST: f64 = 4.5;
 /// Shows a rig limp, armed, and with a joint that is moved, on all screens, light and dark.
 fn show_on_all_screens(name: &str, arguments: &[&str], folder: &Path) {
     let console = Served::start_in(folder, arguments);
-    let origin = console.origin().to_owned();
-    with_url(
-        &console.address,
-        |request| request.starts_with(&origin),
-        |page| {
-            wait_for_state(page, "limp");
-            for [width, height] in SCREENS {
-                page.assert_fits(width);
+    console.with_page(|page| {
+        wait_for_state(page, "limp");
+        for [width, height] in SCREENS {
+            page.assert_fits(width);
+            page.resize(width, height);
+            page.picture(&format!("{name}-limp-{width}"));
+        }
+        arm(page);
+        for [width, height] in SCREENS {
+            for tab in ["joints", "servos", "log"] {
                 page.resize(width, height);
-                page.picture(&format!("{name}-limp-{width}"));
+                page.hold(&format!("#tab-{tab}"), 30);
+                page.settle();
+                page.ask("scrollTo(0, 0)");
+                assert_nothing_overlaps(page);
+                page.picture(&format!("{name}-{tab}-{width}"));
             }
-            arm(page);
-            for [width, height] in SCREENS {
-                for tab in ["joints", "servos", "log"] {
-                    page.resize(width, height);
-                    page.hold(&format!("#tab-{tab}"), 30);
-                    page.settle();
-                    page.ask("scrollTo(0, 0)");
-                    assert_nothing_overlaps(page);
-                    page.picture(&format!("{name}-{tab}-{width}"));
-                }
-                page.hold("#tab-joints", 30);
-                for scheme in ["dark", "light"] {
-                    page.emulate("", scheme);
-                    // Colours fade.
-                    page.wait_ms(300);
-                    assert_contrast(page, scheme);
-                }
-                page.drag("#joint-0", [0.5, 0.7], || {
-                    page.wait_ms(700);
-                    page.picture(&format!("{name}-jog-{width}"));
-                });
-                wait_for_state(page, "holding");
+            page.hold("#tab-joints", 30);
+            for scheme in ["dark", "light"] {
+                page.emulate("", scheme);
+                // Colours fade.
+                page.wait_ms(300);
+                assert_contrast(page, scheme);
             }
-            page.emulate("", "dark");
-            page.resize(1280, 800);
-            page.picture(&format!("{name}-dark-1280"));
-        },
-    );
+            page.drag("#joint-0", [0.5, 0.7], || {
+                page.wait_ms(700);
+                page.picture(&format!("{name}-jog-{width}"));
+            });
+            wait_for_state(page, "holding");
+        }
+        page.emulate("", "dark");
+        page.resize(1280, 800);
+        page.picture(&format!("{name}-dark-1280"));
+    });
 }
 
 /// Checks that no visible button covers another, and that no button cuts its own words.

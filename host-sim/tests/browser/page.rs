@@ -12,14 +12,20 @@ use crate::devtools::Browser;
 /// Opens a file, and calls `read` with its page. Then checks that there was no error message and no network request.
 pub(crate) fn with_page(file: &Path, read: impl FnOnce(&Page)) {
     let url = format!("file://{}", file.display());
-    with_url(&url, |request| request == url, read);
+    with_url("", &url, |request| request == url, read);
 }
 
 /// Opens an address, and calls `read` with its page. Then checks that there was no error message, and no network
-/// request except those that `is_own` accepts.
-pub(crate) fn with_url(url: &str, is_own: impl Fn(&str) -> bool, read: impl FnOnce(&Page)) {
+/// request except those that `is_own` accepts. A script, if it is not empty, runs before those of the page, and may do
+/// what the page's security policy forbids.
+pub(crate) fn with_url(
+    script: &str,
+    url: &str,
+    is_own: impl Fn(&str) -> bool,
+    read: impl FnOnce(&Page),
+) {
     let profile = tempfile::tempdir().unwrap();
-    let page = Page::open(Browser::start(profile.path()), url);
+    let page = Page::open(Browser::start(profile.path()), script, url);
     page.resize(1280, 900);
     read(&page);
     for event in &page.browser.into_inner().events {
@@ -43,9 +49,14 @@ pub(crate) struct Page {
 }
 
 impl Page {
-    fn open(mut browser: Browser, url: &str) -> Self {
+    fn open(mut browser: Browser, script: &str, url: &str) -> Self {
         for domain in ["Log", "Runtime", "Network", "Page"] {
             browser.call(&format!("{domain}.enable"), &json!({}));
+        }
+        if !script.is_empty() {
+            let source = json!({ "source": script });
+            browser.call("Page.addScriptToEvaluateOnNewDocument", &source);
+            browser.call("Page.setBypassCSP", &json!({ "enabled": true }));
         }
         browser.call("Page.navigate", &json!({ "url": url }));
         browser.wait_for("Page.loadEventFired");

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sinew_board_client::{Arrival, Journey, Line};
+use sinew_board_client::{Arrival, Journey, Line, TelemetryLog};
 use sinew_link::message::{Command, Feed, LiveFrame, Refusal, State, Stream};
 
 use super::slider::Slider;
@@ -19,6 +19,12 @@ const START: Duration = Duration::from_secs(1);
 /// Longest wait until the rig can be armed, and the time between two attempts.
 pub(super) const READY: Duration = Duration::from_secs(10);
 pub(super) const AGAIN: Duration = Duration::from_millis(100);
+
+/// Largest age of a summary that counts: a show does not go on while the board is silent.
+const SUMMARY_AGE: Duration = Duration::from_millis(20);
+
+/// Time after its expected start after which a show that has not started is late.
+const START_LATE: Duration = Duration::from_millis(100);
 
 /// A motion that goes on.
 #[derive(Debug)]
@@ -52,6 +58,28 @@ pub(super) struct Playing {
     rounds: Option<u32>,
     before: u32,
     show_ms: u32,
+    /// Expected time of the show's start; `None` if it is not known.
+    starts: Option<Duration>,
+}
+
+impl Playing {
+    /// Returns the time in the show, s, from a log whose summary arrived at `heard`. Before the show starts it is
+    /// negative, or 0 if the start is not known or is late.
+    pub(super) fn place_s(&self, log: &TelemetryLog, [heard, now]: [Duration; 2]) -> f32 {
+        let show_ms = log.summary.map_or(0, |summary| summary.show_ms);
+        // The summary may be from before the command to play.
+        if log.summaries >= self.before + 2 && show_ms > 0 {
+            let since = now.saturating_sub(heard).min(SUMMARY_AGE);
+            return (Duration::from_millis(show_ms.into()) + since).as_secs_f32();
+        }
+        let Some(starts) = self.starts else { return 0.0 };
+        match now.checked_sub(starts) {
+            None => -starts.saturating_sub(now).as_secs_f32(),
+            // The board may have started since its last summary.
+            Some(since) if since < START_LATE => since.as_secs_f32(),
+            Some(_) => 0.0,
+        }
+    }
 }
 
 /// A request to arm, repeated until the board allows it.
@@ -106,10 +134,14 @@ impl<L: Line> Hub<'_, L> {
 
     /// Begins to play the loaded show.
     pub(super) fn begin_show(&mut self, repeats: bool, rounds: Option<u32>) -> Result<(), Refused> {
+        let way = self.way_to_show();
         self.ask(Command::Play(Feed::Show))?;
+        // The board answers in the tick in which it begins.
+        let begun = self.now();
         let before = self.board.log.summaries;
+        let starts = way.map(|way| begun + way);
         self.arrived = None;
-        self.act = Some(Act::Show(Playing { repeats, rounds, before, show_ms: 0 }));
+        self.act = Some(Act::Show(Playing { repeats, rounds, before, show_ms: 0, starts }));
         Ok(())
     }
 

@@ -1,10 +1,11 @@
 //! Shows on the board: the content of its slots, and poses of shows whose bytes this program has.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use sinew_board_client::{ClientError, Line, item};
 use sinew_firmware::node::SHOW_SCHEMA;
-use sinew_link::message::{Command, Item, Kind};
+use sinew_link::message::{Command, Item, Kind, State};
 use sinew_show::{Player, Show};
 
 use super::{Hub, Refused};
@@ -163,6 +164,17 @@ impl<L: Line> Hub<'_, L> {
             .is_some_and(|bytes| Show::open(&bytes).is_ok_and(|show| show.is_loop()));
         self.begin_show(repeats, (is_loop && !repeats).then_some(rounds.max(1)))?;
         Ok("the rig goes to the show's first pose, and plays".to_owned())
+    }
+
+    /// Returns the duration of the way from the present pose to the beginning of the loaded show; `None` if the rig
+    /// moves, or pose or show are not known.
+    pub(super) fn way_to_show(&self) -> Option<Duration> {
+        if self.state() != State::Holding {
+            return None;
+        }
+        let show = self.shows.bytes(self.shows.loaded?)?;
+        let from = self.scene.commanded(&self.board.log)?;
+        Duration::try_from_secs_f32(self.scene.way_s(&show, &from)?).ok()
     }
 
     fn load(&mut self, slot: u8) -> Result<(), Refused> {

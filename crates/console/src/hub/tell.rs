@@ -21,6 +21,8 @@ const IDLE: Duration = Duration::from_millis(200);
 #[derive(Debug)]
 pub(super) struct Told {
     summaries: u32,
+    /// Time at which the last summary arrived.
+    heard: Duration,
     due: Option<Duration>,
     last: Duration,
     state: Option<State>,
@@ -30,7 +32,7 @@ pub(super) struct Told {
 
 impl Told {
     pub(super) fn new(now: Duration) -> Self {
-        Self { summaries: 0, due: None, last: now, state: None, before: 0 }
+        Self { summaries: 0, heard: now, due: None, last: now, state: None, before: 0 }
     }
 }
 
@@ -158,6 +160,7 @@ impl<L: Line> Hub<'_, L> {
         if std::mem::replace(&mut self.told.summaries, self.board.log.summaries)
             != self.board.log.summaries
         {
+            self.told.heard = now;
             self.told.due.get_or_insert(now + PARTS);
         }
         let is_idle = self.lost.is_some() && now.saturating_sub(self.told.last) >= IDLE;
@@ -172,16 +175,20 @@ impl<L: Line> Hub<'_, L> {
     fn tell_frame(&self) {
         let log = &self.board.log;
         let Some(summary) = log.summary else { return };
-        let is_show = matches!(self.act, Some(Act::Show(_)));
+        let playing = match &self.act {
+            Some(Act::Show(playing)) => Some(playing),
+            _ => None,
+        };
         let mut flags = if self.lost.is_some() { frame::LOST } else { 0 };
         flags |= if matches!(self.act, Some(Act::Slider(_))) { frame::JOGS } else { 0 };
-        flags |= if is_show && summary.state == State::Playing { frame::PLAYS } else { 0 };
+        flags |=
+            if playing.is_some() && summary.state == State::Playing { frame::PLAYS } else { 0 };
         let frame = Frame {
             state: summary.state.number(),
             fault: summary.fault,
             flags,
             t_s: self.now().as_secs_f32(),
-            place_s: is_show.then(|| Duration::from_millis(summary.show_ms.into()).as_secs_f32()),
+            place_s: playing.map(|playing| playing.place_s(log, [self.told.heard, self.now()])),
             supply_v: summary.supply_v,
             tick_us: summary.tick_us,
             counts: self.scene.counts(),

@@ -134,12 +134,12 @@ export const show = ({ send, ask, report }) => {
       const { place } = frame;
       voice.take(isPlaying && !isRecording, place);
       const { cues, duration } = shown();
-      const at = ghost ?? (Number.isFinite(place) ? place : Number(scrub.value));
+      const at = ghost ?? (Number.isFinite(place) ? Math.max(place, 0) : Number(scrub.value));
       if (!isScrubbing && document.activeElement !== scrub || ghost === null && !isScrubbing) scrub.value = at;
       scrub.setAttribute("aria-valuetext", seconds(at));
-      byId("done").style.setProperty("--at", Number.isFinite(place) && duration > 0 ? String(Math.min(place / duration, 1)) : "0");
+      byId("done").style.setProperty("--at", Number.isFinite(place) && duration > 0 ? String(Math.min(Math.max(place / duration, 0), 1)) : "0");
       write(byId("place"), ghost === null
-        ? (Number.isFinite(place) ? seconds(place) : "not playing")
+        ? (place < 0 ? `begins in ${seconds(-place)}` : Number.isFinite(place) ? seconds(place) : "not playing")
         : `ghost at ${seconds(ghost)}${Number.isFinite(place) ? `, rig at ${seconds(place)}` : ""}`);
       const cue = cues.filter(({ t }) => t <= at + 1e-6).at(-1);
       write(byId("near"), cue ? cue.name : "");

@@ -5,14 +5,19 @@ import { byId, setDisabled, setHidden, write } from "./dom.js";
 // Time by which the start is planned ahead, so that the first sample is not late, s.
 const AHEAD_S = 0.03;
 // Largest change of the speed; and drift from which the sound jumps instead, s.
-const RATE_MOST = 0.02;
-const JUMP_S = 0.15;
+const RATE_MOST = 0.005;
+const JUMP_S = 0.08;
 // Share of the drift that is corrected in a second; and interval of corrections, s.
 const GAIN = 0.4;
 const STEER_EVERY_S = 0.25;
-// The board's times arrive late, never early. Of those in this window, the one that arrived with the least delay sets
-// the clock, s.
+// The board's times arrive late, never early. Of those in this window, the one that arrived with the least delay counts,
+// s. If all are late, the clock falls behind by no more than this share of the time, because the board's clock is even,
+// unless they are later by this time: then the board's clock has changed, s.
 const WINDOW_S = 2;
+const FALL = 0.005;
+const SHIFT_S = 0.03;
+// The start of a show is expected. The sound is planned at most this long before it, s.
+const BEFORE_S = 0.2;
 const FADE_S = 0.005;
 const GRAIN_S = 0.08;
 const GRAIN_EVERY_MS = 60;
@@ -25,16 +30,21 @@ const now = () => performance.now() / 1000;
 
 // Estimates the board's time in the show from the times in the frames.
 export const placeClock = () => {
-  let seen = [];
+  let seen = [], lead = NaN, since = 0;
   return {
-    reset: () => { seen = []; },
+    reset: () => { seen = []; lead = NaN; },
     take: (place, at) => {
+      const last = seen.at(-1);
       // A loop or the show has started again.
-      if (seen.length > 0 && Math.abs(place - at - seen.at(-1).lead) > 0.5) seen = [];
+      const isNew = !last || Math.abs(place - at - last.lead) > 0.5;
+      if (isNew) [seen, since] = [[], at];
       seen.push({ lead: place - at, at });
       while (seen[0].at < at - WINDOW_S) seen.shift();
+      const best = Math.max(...seen.map((one) => one.lead));
+      const isChanged = isNew || at - since > WINDOW_S && lead - best > SHIFT_S;
+      lead = isChanged ? best : Math.max(best, lead - FALL * (at - last.at));
     },
-    place: (at) => seen.length > 0 ? at + Math.max(...seen.map(({ lead }) => lead)) : NaN,
+    place: (at) => at + lead,
   };
 };
 
@@ -107,8 +117,10 @@ export const sound = () => {
   const start = () => {
     const ahead = now() + AHEAD_S;
     let at = Math.max(heardAt(ahead), context.currentTime + 0.003);
-    const later = at - heardAt(ahead);
-    let place = clock.place(ahead) + later + chosen.offset_s;
+    let place = clock.place(ahead) + at - heardAt(ahead);
+    if (place < -BEFORE_S) return;
+    if (place < 0) { at -= place; place = 0; }
+    place += chosen.offset_s;
     if (place < 0) { at -= place; place = 0; }
     if (place >= buffer().duration) return;
     source = play(place, at);
@@ -163,11 +175,12 @@ export const sound = () => {
     // Receives a frame: whether a show plays, and its time in the show.
     take: (isShow, place) => {
       tookAt = performance.now();
-      const runs = isShow && Number.isFinite(place) && place > 0;
+      // It is negative before the show starts, and 0 if the start is not known or is late.
+      const runs = isShow && Number.isFinite(place) && place !== 0;
+      if (!(runs && place > 0)) drifts = { begun: now(), start: NaN, now: NaN, most: 0 };
       if (!runs) {
         quiet();
         clock.reset();
-        drifts = { begun: now(), start: NaN, now: NaN, most: 0 };
         if (chosen) box.dataset.plays = "false";
         return;
       }

@@ -41,7 +41,7 @@ pub use peer::PeerController;
 pub use pulse_ranges::PulseRange;
 pub use record::{Recorder, SCHEMA, Tick, TickOfJoint};
 pub use recording::{JointRows, Part, Recording, RecordingError, ServoRows};
-pub use rig_parts::RigParts;
+pub use rig_parts::{RigParts, Ways};
 pub use schedule::RateError;
 pub(crate) use servo_part::closes_loop;
 pub use servo_part::{Drive, ServoPart};

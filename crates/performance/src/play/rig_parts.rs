@@ -5,6 +5,7 @@ use sinew_firmware::controller::{
     Approach, ControllerSettings, ServoSetup, approach, estimated_us,
 };
 use sinew_firmware::node::NodeSettings;
+use sinew_firmware::supervisor::Settings;
 use sinew_firmware::supervisor::detect::FollowingSettings;
 use sinew_rig::description::{Servo, Supply as RigSupply};
 use sinew_rig::mechanism::JointModel;
@@ -28,6 +29,31 @@ use crate::rig_hash;
 
 /// Clock of the reference board's processor, an STM32F446, Hz.
 const BOARD_HZ: u32 = 180_000_000;
+
+/// Ways of a rig to the beginnings of its shows.
+#[derive(Debug)]
+pub struct Ways {
+    board: CompactRig,
+    settings: Settings,
+    tick_us: u32,
+}
+
+impl Ways {
+    /// Computes the way from a pose to the beginning of a show, as [`RigParts::approach`].
+    pub fn approach(&self, show: &[u8], from: &[f32]) -> Option<Approach> {
+        way((&self.board, &self.settings, self.tick_us), show, from)
+    }
+}
+
+fn way(
+    (board, settings, tick_us): (&CompactRig, &Settings, u32),
+    show: &[u8],
+    from: &[f32],
+) -> Option<Approach> {
+    let dt_s = 1e-6 * tick_us as f32;
+    let mut frames = ShowFrames::<COORDINATES>::new(Show::open(show).ok()?, dt_s).ok()?;
+    approach(board, settings, &mut frames, dt_s, from)
+}
 
 /// The parts of a rig that plays: its compact form, settings, lines and servos.
 pub struct RigParts {
@@ -165,9 +191,16 @@ impl RigParts {
     /// Computes the way from a pose to the beginning of a show. Returns `None` if `show` is not a valid show, has too
     /// many coordinates, or the way takes longer than 5 minutes. The show's rig is not checked.
     pub fn approach(&self, show: &[u8], from: &[f32]) -> Option<Approach> {
-        let dt_s = 1e-6 * self.tick_us() as f32;
-        let mut frames = ShowFrames::<COORDINATES>::new(Show::open(show).ok()?, dt_s).ok()?;
-        approach(&self.board, &self.settings.supervisor, &mut frames, dt_s, from)
+        way((&self.board, &self.settings.supervisor, self.tick_us()), show, from)
+    }
+
+    /// Returns what computes such ways without these parts.
+    pub fn ways(&self) -> Ways {
+        Ways {
+            board: self.board.clone(),
+            settings: self.settings.supervisor,
+            tick_us: self.tick_us(),
+        }
     }
 
     /// Returns the controller's settings for a servo.
