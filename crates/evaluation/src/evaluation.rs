@@ -188,7 +188,7 @@ pub fn evaluate<T: EvaluatedMotion>(
     for scale in &protocol.scales {
         let mut methods = Vec::with_capacity(protocol.methods.len());
         for method in &protocol.methods {
-            let runs = results.by_ref().zip(motions).map(|(result, motion)| {
+            let runs = motions.iter().zip(results.by_ref()).map(|(motion, result)| {
                 result.map_err(|kind| EvaluateError::Run {
                     clip: motion.name().to_owned(),
                     scale: *scale,

@@ -65,8 +65,8 @@ pub(super) fn group_size(runs: usize) -> usize {
     runs.div_ceil(rayon::current_num_threads()).clamp(1, LANES)
 }
 
-/// Tracks up to [`LANES`] jobs. If their rigs have the same joints, their plants take their steps together; otherwise
-/// the runs are tracked one after the other. Arguments and results are those of [`track_all`].
+/// Tracks up to [`LANES`] jobs. If their rigs are figures of ball joints, their plants take their steps together;
+/// otherwise the runs are tracked one after the other. Arguments and results are those of [`track_all`].
 pub(super) fn track_together<'a, R: Default>(
     jobs: &[Job<'a>],
     seconds: Option<f64>,
@@ -112,7 +112,7 @@ pub(super) fn track_together<'a, R: Default>(
 }
 
 /// Joins the exact plants of several runs, the last of which may have several lanes. Returns `None` for another plant,
-/// for a single run, and for rigs whose joints differ.
+/// for a single run, and for rigs with other joints than ball joints.
 fn join(runs: &[Result<Run<'_>, RunError>]) -> Option<ArticulatedPlant<LANES>> {
     let plants = runs.iter().flatten().map(|run| run.plant.as_articulated());
     let plants: Vec<&ArticulatedPlant> = plants.collect::<Option<_>>()?;

@@ -65,10 +65,12 @@ fn arctangent(x: f64) -> f64 {
     let (mut above, mut below) = (-1.0, x);
     let (mut high, mut low) = (FRAC_PI_2, 6.123_233_995_736_766e-17);
     for (is_part, of_above, of_below, of_high, of_low) in parts {
-        above = if is_part { of_above } else { above };
-        below = if is_part { of_below } else { below };
-        high = if is_part { of_high } else { high };
-        low = if is_part { of_low } else { low };
+        // All ones or zero. The compiler would turn a conditional expression into a branch.
+        let mask = u64::from(is_part).wrapping_neg();
+        let select =
+            |part: f64, other: f64| f64::from_bits(part.to_bits() & mask | other.to_bits() & !mask);
+        (above, below) = (select(of_above, above), select(of_below, below));
+        (high, low) = (select(of_high, high), select(of_low, low));
     }
     let t = above / below;
     let z = t * t;

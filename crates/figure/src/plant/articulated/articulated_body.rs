@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::lanes::{Matrices, Vectors};
-use super::spatial::{MotionAxis, World, skew, skew_times, times_skew_transposed};
+use super::spatial::{MotionAxis, World, Worlds, skew, skew_times, times_skew_transposed};
 
 /// Equations of motion of a body with all its descendants, at its joint: `torque = A α + B a + torque_bias`,
 /// `force = Bᵀ α + M a + force_bias`, with the body's angular acceleration α and its joint's acceleration a.
@@ -173,6 +173,25 @@ impl<const L: usize> ArticulatedLanes<L> {
             mass: self.mass.at(lane),
             torque_bias: self.torque_bias.at(lane),
             force_bias: self.force_bias.at(lane),
+        }
+    }
+
+    /// Releases ball joints under their torques, which are in body axes, and sets what they add to their parents'
+    /// equations. All results are arguments: the compiler then knows that they overlap nothing.
+    #[inline(always)]
+    pub(super) fn release(
+        &self,
+        out: &mut ReleasedLanes<L>,
+        shares: &mut Self,
+        worlds: &Worlds<L>,
+        torque_nm: &Vectors<L>,
+    ) {
+        for lane in 0..L {
+            let world = worlds.at(lane);
+            let torque = world.axes * torque_nm.at(lane);
+            let released = self.at(lane).release(torque);
+            out.set(lane, &released);
+            shares.set(lane, &released.share(&world, torque));
         }
     }
 

@@ -61,7 +61,6 @@ impl<const L: usize> Tree<L> {
             let (above, below) = self.links.split_at_mut(index);
             let link = &mut below[0];
             let Some(parent) = link.parent else { continue };
-            // Results are in variables of this function: the compiler then knows that they overlap nothing.
             let mut shares = ArticulatedLanes::ZERO;
             if link.joints.is_some() {
                 for lane in 0..L {
@@ -69,13 +68,8 @@ impl<const L: usize> Tree<L> {
                     shares.set(lane, &passed.share_of_all(&link.world.at(lane)));
                 }
             } else {
-                for lane in 0..L {
-                    let world = link.world.at(lane);
-                    let torque = world.axes * link.torque_nm.at(lane);
-                    let released = link.articulated.at(lane).release(torque);
-                    link.released.set(lane, &released);
-                    shares.set(lane, &released.share(&world, torque));
-                }
+                let Link { articulated, world, torque_nm, released, .. } = link;
+                articulated.release(released, &mut shares, world, torque_nm);
             }
             above[parent].articulated.add(&shares);
         }

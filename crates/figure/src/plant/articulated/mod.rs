@@ -122,7 +122,8 @@ impl ArticulatedPlant {
 
 // Not generic: this crate's optimization applies, not that of the crate that calls these functions.
 impl ArticulatedPlant<LANES> {
-    /// Joins mechanisms, each in its state. Returns `None` if their joints, their time steps or their gravity differ.
+    /// Joins mechanisms of ball joints without rotor, friction and range, each in its state. Returns `None` if a
+    /// mechanism has another joint, or if the mechanisms, their time steps or their gravity differ.
     pub fn join(plants: [&ArticulatedPlant; LANES]) -> Option<Self> {
         let ArticulatedPlant { dt_s, substeps, .. } = *plants[0];
         let alike = |plant: &&ArticulatedPlant| {

@@ -193,7 +193,8 @@ impl<const L: usize> Tree<L> {
         }
     }
 
-    /// Joins trees, each in its state; `None` if their joints or their gravity differ.
+    /// Joins trees of ball joints that turn freely, each in its state; `None` if a tree has another joint, or if the
+    /// trees or their gravity differ. Other joints decide so much that vector instructions would gain nothing.
     pub(super) fn join(trees: [&Tree<1>; L]) -> Option<Self> {
         let first = trees[0];
         let alike = |tree: &&Tree<1>| {
@@ -201,9 +202,9 @@ impl<const L: usize> Tree<L> {
             tree.root == first.root
                 && tree.gravity_m_s2 == first.gravity_m_s2
                 && tree.links.len() == first.links.len()
-                && links.into_iter().all(|(link, first)| {
-                    link.parent == first.parent && link.joints.is_some() == first.joints.is_some()
-                })
+                && links
+                    .into_iter()
+                    .all(|(link, first)| link.parent == first.parent && link.joints.is_none())
         };
         if !trees.iter().all(alike) {
             return None;
@@ -221,9 +222,6 @@ impl<const L: usize> Tree<L> {
                 link.first_moment_kg_m.set(lane, of_tree.first_moment_kg_m.at(0));
                 link.rotational_kg_m2.set(lane, of_tree.rotational_kg_m2.at(0));
                 link.in_parent.set(lane, &of_tree.in_parent.at(0));
-            }
-            if first.joints.is_some() {
-                link.joints = Some(Box::new(of_trees.map(|of_tree| of_tree.joints()[0].clone())));
             }
             joined.links.push(link);
         }
