@@ -325,7 +325,12 @@ impl<'a, L: Line> Session<'a, L> {
             return Ok(q);
         }
         let begun = *self.live_begun.get_or_insert(self.now());
-        if self.is_followed(begun)? {
+        let followed = self.is_followed(begun);
+        if followed.is_err() {
+            // The next pose begins again.
+            self.live_begun = None;
+        }
+        if followed? {
             self.live = Some(self.log().summaries);
         }
         Ok(q)
