@@ -189,8 +189,8 @@ impl Scene {
         Some(format!("`{}` follows `{}`: move `{}`", dof.name, leader.name, leader.name))
     }
 
-    /// Returns the time from the command to play a show until its clock starts, s, if the rig rests in a pose. `None` if
-    /// it cannot be computed.
+    /// Returns the time from the command to play a show until its clock starts, s, if the rig rests in a pose. `None`
+    /// if it cannot be computed.
     pub(crate) fn way_s(&self, show: &[u8], from: &[f32]) -> Option<f32> {
         Some(self.ways.as_ref()?.approach(show, from)?.way_s)
     }

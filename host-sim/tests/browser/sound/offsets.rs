@@ -9,8 +9,8 @@ const CLOSED: f64 = 0.25;
 /// Limits at the start, and of the drift, s. People notice a sound that is 45 ms early or 125 ms late (ITU-R BT.1359).
 pub(super) const START_S: f64 = 0.04;
 const DRIFT_S: f64 = 0.02;
-/// Time before a click in which the machine must not have stopped board or sound, because a page needs it to follow; and
-/// a shift that does not count, s.
+/// Time before a click in which the machine must not have stopped board or sound, because a page needs it to follow;
+/// and a shift that does not count, s.
 pub(super) const CALM_S: u32 = 12;
 pub(super) const CALM_SHIFT_S: f64 = 0.003;
 
