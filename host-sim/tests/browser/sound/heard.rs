@@ -83,8 +83,8 @@ impl Heard {
         at_s + late[late.len() / 2]
     }
 
-    /// Returns whether the machine has computed the sound in time before a time of the context, for the seconds in which
-    /// a page would still follow. A block that is missing makes all later sound late.
+    /// Returns whether the machine has computed the sound in time before a time of the context, for the seconds in
+    /// which a page would still follow. A block that is missing makes all later sound late.
     pub(super) fn is_calm(&self, at_s: f64) -> bool {
         let from_s = (at_s - f64::from(CALM_S)).max(self.sounds[0].0);
         let during = |clocks: &&Clocks| (from_s..at_s + NEAR_S).contains(&clocks.next_s);
