@@ -296,9 +296,9 @@ def test_a_program_drives_a_console(console: sm.Rig) -> None:
         show = sm.bake(np.tile(goal, (11, 1)), console, rate_hz=10)
         board.upload(show)
         board.upload(show)
-        with pytest.raises(sm.BoardError, match="another page drives"):
+        with pytest.raises(sm.BoardError, match="somebody else drives"):
             other.arm()
-        with pytest.raises(sm.BoardError, match="another page drives"):
+        with pytest.raises(sm.BoardError, match="somebody else drives"):
             other.take()
         board.arm()
         board.goto(goal, duration=0.5)
@@ -323,6 +323,11 @@ def test_a_program_drives_a_console(console: sm.Rig) -> None:
         # Anybody may hold the rig, which ends a motion.
         moving, errors = in_thread(lambda: board.goto(goal - 0.2, duration=60.0))
         time.sleep(0.5)
+        # A refused order of somebody else does not end it.
+        with pytest.raises(sm.BoardError, match="somebody else drives"):
+            other.goto(goal)
+        time.sleep(0.2)
+        assert other.state().state == "playing"
         other.hold()
         moving.join(5.0)
         assert len(errors) == 1 and "the motion was ended" in errors[0]

@@ -31,8 +31,8 @@ const START_LATE: Duration = Duration::from_millis(100);
 pub(super) enum Act {
     Slider(Feeding<Slider>),
     Journey(Feeding<Journey>),
-    /// Poses of a program, one after the other.
-    Live(Feeding<()>),
+    /// Poses of a program; the newest, until it is sent.
+    Live(Feeding<Option<Vec<f32>>>),
     Show(Playing),
     Idle(Feeding<()>),
 }
@@ -222,14 +222,27 @@ impl<L: Line> Hub<'_, L> {
     }
 
     /// Follows the poses of a program. The hub repeats none of them, so the board holds if the next one is late.
-    fn go_on_live(&mut self, mut feeding: Feeding<()>) -> Result<(), Refused> {
-        if self.follow(&mut feeding, Feed::Live)? {
-            self.act.get_or_insert(Act::Live(feeding));
+    fn go_on_live(&mut self, mut feeding: Feeding<Option<Vec<f32>>>) -> Result<(), Refused> {
+        let now = self.now();
+        let is_due = feeding.motion.is_some() && feeding.is_due(now);
+        if is_due && let Some(pose) = feeding.motion.take() {
+            self.send_pose(pose, now)?;
+        }
+        // The program learns the end with its next pose.
+        match self.follow(&mut feeding, Feed::Live) {
+            Ok(true) => {
+                self.act.get_or_insert(Act::Live(feeding));
+            }
+            Ok(false) if self.state() == State::Holding => self.bound.end(
+                "the rig holds: it got no pose in time; poses move it again from now on".to_owned(),
+            ),
+            Ok(false) => self.bound.end(format!("the rig is {}", self.state())),
+            Err(refused) => self.bound.end(self.text(&refused)),
         }
         Ok(())
     }
 
-    /// Sends a pose of a program to the board, which follows it.
+    /// Takes a pose of a program, which the board gets soon, unless a newer one comes before.
     pub(super) fn live(&mut self, mut pose: Vec<f32>) -> Result<String, Refused> {
         self.check_pose(&pose)?;
         if !matches!(self.state(), State::Holding | State::Playing) {
@@ -238,10 +251,14 @@ impl<L: Line> Hub<'_, L> {
         if !matches!(self.act, None | Some(Act::Live(_))) {
             return Err(Refused::because("the rig moves on its own: hold it first"));
         }
+        self.bound.check_pose()?;
         self.scene.follow(&mut pose);
-        let now = self.now();
-        self.send_pose(pose, now)?;
-        self.act.get_or_insert_with(|| Act::Live(Feeding::new((), now)));
+        if let Some(Act::Live(feeding)) = &mut self.act {
+            feeding.motion = Some(pose);
+            feeding.hurry();
+        } else {
+            self.act = Some(Act::Live(Feeding::new(Some(pose), self.now())));
+        }
         Ok(String::new())
     }
 

@@ -4,9 +4,10 @@ use std::time::Duration;
 
 use sinew_board_client::console::Report;
 use sinew_board_client::{Journey, Line};
-use sinew_link::message::{Command, POSE_MAX, State};
+use sinew_link::message::{Command, POSE_MAX, Refusal, State};
 
 use super::act::{Act, Feeding};
+use super::bound::Bound;
 use super::slider::Slider;
 use super::{Hub, PageCommand, Refused};
 use crate::local::{CUTS, STOPS};
@@ -36,6 +37,16 @@ impl<L: Line> Hub<'_, L> {
             Ping, Play, Record, Release, Seek, State, Stop, Upload, Wheel,
         };
         let is_driver = self.wheel.is_at(page);
+        match command {
+            Hold if !is_driver => self.bound.hold(),
+            Stop | EStop if !is_driver => self.bound.stop(),
+            Hold | Arm | Home | Goto { .. } | Play { .. } | Follow { .. } | Idle { .. }
+                if is_driver =>
+            {
+                self.bound.release();
+            }
+            _ => {}
+        }
         Some(match command {
             EStop => {
                 self.end_all();
@@ -62,13 +73,21 @@ impl<L: Line> Hub<'_, L> {
             // The log takes many turns of the link, so pages of other machines do not ask for it.
             Faults if is_program(page) => self.faults(),
             _ if !is_driver => {
-                Err(Refused::because("another page drives; this page may hold and stop"))
+                Err(Refused::because("somebody else drives; everybody may hold and stop"))
             }
             Record { on: true } => self.begin_record(),
             Record { on: false } => self.end_record(None).map_err(Refused::Other),
             _ if self.closing.is_some() => Err(Refused::because("the program ends")),
             _ if self.lost.is_some() => Err(Refused::because("the board does not answer")),
             Arm => {
+                if is_program(page) {
+                    if let Err(refused) = self.bound.check_arm() {
+                        return Some(Err(refused));
+                    }
+                } else {
+                    // A person arms by a deliberate gesture.
+                    self.bound.clear();
+                }
                 self.begin_arming(page, id);
                 return None;
             }
@@ -83,7 +102,7 @@ impl<L: Line> Hub<'_, L> {
             }
             Live { q } => self.live(q),
             Faults => Err(Refused::because("only programs of this user read the log of faults")),
-            Clear => self.ask(Command::ClearFaults).map(|_| "no fault is latched".to_owned()),
+            Clear => self.clear(),
             Play { slot, is_loop, rounds: 0 } => self.play(slot, is_loop, 0),
             Play { slot, is_loop, rounds } => {
                 let begun = self.play(slot, is_loop, rounds);
@@ -108,6 +127,17 @@ impl<L: Line> Hub<'_, L> {
                 return None;
             }
         })
+    }
+
+    /// Clears faults, and lets a program arm again after a stop of somebody else.
+    fn clear(&mut self) -> Result<String, Refused> {
+        let was_stopped = self.bound.clear();
+        match self.ask(Command::ClearFaults) {
+            Err(Refused::Board(Refusal::NoFault)) if was_stopped => {
+                Ok("the rig may be armed again".to_owned())
+            }
+            cleared => cleared.map(|_| "no fault is latched".to_owned()),
+        }
     }
 
     /// Ends the motion and the arming, without a command to the board. A slider that is held moves nothing until it is
@@ -138,11 +168,12 @@ impl<L: Line> Hub<'_, L> {
                 if !self.wheel.take(page, now) {
                     self.tell_roles();
                     return Err(Refused::because(
-                        "another page drives; it was asked for the wheel",
+                        "somebody else drives, and was asked for the wheel",
                     ));
                 }
                 if is_new {
-                    self.end_arming("another page drives");
+                    self.bound = Bound::default();
+                    self.end_arming("somebody else drives");
                 }
                 // The previous driver may have become silent while it moved a joint.
                 let is_moved = self.act.as_ref().is_some_and(Act::dies_with_its_page);
@@ -154,6 +185,7 @@ impl<L: Line> Hub<'_, L> {
                 let is_moved = self.act.as_ref().is_some_and(Act::dies_with_its_page);
                 let held = if is_moved { self.hold() } else { Ok(String::new()) };
                 self.wheel.pass(now);
+                self.bound = Bound::default();
                 held.map(|_| "this page does not drive any more".to_owned())
             }
             false => Ok("this page does not drive".to_owned()),
@@ -193,7 +225,7 @@ impl<L: Line> Hub<'_, L> {
             }
             return Ok(String::new());
         }
-        if matches!(self.act, Some(Act::Show(_) | Act::Journey(_) | Act::Idle(_))) {
+        if matches!(self.act, Some(Act::Show(_) | Act::Journey(_) | Act::Live(_) | Act::Idle(_))) {
             return Err(Refused::because("the rig moves on its own: hold it first"));
         }
         let at = self.wanted(coordinate).or_else(|| self.board.log.q.get(coordinate).copied());
@@ -264,6 +296,8 @@ impl<L: Line> Hub<'_, L> {
 
     /// Returns the board's log of faults as JSON.
     fn faults(&mut self) -> Result<String, Refused> {
+        // Its many turns of the link would delay the poses of a motion, and a hold.
+        self.check_free()?;
         match self.board.fault_log() {
             Ok(records) => json(&records),
             Err(error) => {
@@ -282,6 +316,7 @@ impl<L: Line> Hub<'_, L> {
                 self.state()
             )));
         }
+        self.check_free()?;
         let from = self.pose_now(to.len())?;
         let now = self.now();
         let most_rad_s = SHARE * self.soft_rad_s;
@@ -289,6 +324,14 @@ impl<L: Line> Hub<'_, L> {
         self.arrived = None;
         self.act = Some(Act::Journey(Feeding::new(journey, now)));
         Ok("the rig moves".to_owned())
+    }
+
+    /// Refuses what must not happen while the hub moves the rig.
+    fn check_free(&self) -> Result<(), Refused> {
+        if self.act.is_some() {
+            return Err(Refused::because("the rig moves: hold it first"));
+        }
+        Ok(())
     }
 
     /// Returns the pose at which a motion of all joints begins: the pose that the board commands, otherwise the

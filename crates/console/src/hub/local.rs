@@ -76,11 +76,13 @@ impl<L: Line> Hub<'_, L> {
         let done = match request {
             Request::Stop => {
                 self.end_all();
+                self.bound.stop();
                 self.asked.stopped = true;
                 self.ask(Command::Stop).map(|_| STOPS.to_owned())
             }
             Request::EStop => {
                 self.end_all();
+                self.bound.stop();
                 self.asked.stopped = true;
                 self.ask(Command::EStop).map(|_| CUTS.to_owned())
             }
@@ -192,7 +194,12 @@ impl<L: Line> Hub<'_, L> {
             return;
         }
         let Some(waiting) = self.waiting.take() else { return };
-        let ended = || Err(format!("the motion was ended: the rig is {}", self.state()));
+        let ended = || {
+            Err(match self.lost {
+                None => format!("the motion was ended: the rig is {}", self.state()),
+                Some(_) => "the motion was ended: the board does not answer".to_owned(),
+            })
+        };
         let done = self.arrived.clone().unwrap_or_else(ended).map_err(Refused::Other);
         match waiting {
             Waiting::Command { answer, .. } => self.reply(&answer, done),

@@ -2,13 +2,14 @@
 //!
 //! - `wheel`: the page that drives. `commands`: requests of pages. `act`: activities that last: arming, a slider, a
 //!   journey, a show.
-//! - `slider`: motions, to which the caller gives the time. `shows`: slots and ghosts. `upload`: a show on its way to
-//!   the board.
+//! - `bound`: holds and stops of others, which bind a program. `slider`: motions, to which the caller gives the time.
+//! - `shows`: slots and ghosts. `upload`: a show on its way to the board.
 //! - `idle`: idle life between shows.
 //! - `tell`: messages to pages. `local`: requests of other terminals of this user. `watchers`: terminals that watch.
 //! - `hosted`: a command without pages that is the hub of its board. `session_record`: a recording of the session.
 
 mod act;
+mod bound;
 mod commands;
 mod hosted;
 mod idle;
@@ -34,6 +35,7 @@ use crate::message::{Level, PageCommand};
 use crate::scene::Scene;
 use crate::server::{Outbox, PageId, ToHub};
 use act::{Act, Arming};
+use bound::Bound;
 use idle::Idle;
 use local::{Asked, Waiting};
 use session_record::SessionRecord;
@@ -107,6 +109,7 @@ pub(crate) struct Hub<'a, L> {
     /// Time of the last message of a slider that is still held although the rig was told to hold. The slider must be
     /// released before it moves the joint again.
     barred: Option<Duration>,
+    bound: Bound,
     /// Command of another terminal whose motion goes on.
     waiting: Option<Waiting>,
     watchers: Watchers,
@@ -148,6 +151,7 @@ impl<'a, L: Line> Hub<'a, L> {
             failed: None,
             lower_at: None,
             barred: None,
+            bound: Bound::default(),
             waiting: None,
             watchers: Watchers::default(),
             record: None,
@@ -224,8 +228,8 @@ impl<'a, L: Line> Hub<'a, L> {
             self.go_on_idle_life();
             self.go_on_arming();
             self.go_on_upload();
-            self.go_on_waiting();
         }
+        self.go_on_waiting();
         self.tell();
         self.go_on_record();
         self.failed.take().map_or(Ok(()), Err)
@@ -267,6 +271,7 @@ impl<'a, L: Line> Hub<'a, L> {
         if self.wheel.is_at(page) {
             let now = self.now();
             self.wheel.pass(now);
+            self.bound = Bound::default();
             // A show goes on for 2 s: the page may only be reloading.
             if self.act.as_ref().is_some_and(Act::dies_with_its_page) {
                 let _ = self.hold();
@@ -290,6 +295,7 @@ impl<'a, L: Line> Hub<'a, L> {
                 "nobody is at the wheel: the rig holds, and is lowered in 3 s",
             );
             self.end_idle();
+            self.bound.hold();
             let _ = self.hold();
             self.lower_at = Some(now + wheel::LOWER_AFTER);
         }
@@ -320,6 +326,7 @@ impl<'a, L: Line> Hub<'a, L> {
     /// Handles a board that does not answer: ends motion, arming and upload, and reports the error to pages.
     fn lose(&mut self, error: ClientError) {
         self.act = None;
+        self.bound.hold();
         self.give_up(&error.to_string());
         if self.lost.is_none() {
             self.event(Level::Error, &error.to_string());

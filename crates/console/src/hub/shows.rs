@@ -8,6 +8,7 @@ use sinew_firmware::node::SHOW_SCHEMA;
 use sinew_link::message::{Command, Item, Kind, State};
 use sinew_show::{Player, Show};
 
+use super::act::Act;
 use super::{Hub, Refused};
 use crate::message::{CueMark, IdleState, Slot, SlotSound, ToPage};
 use crate::sounds::OwnSound;
@@ -154,6 +155,9 @@ impl<L: Line> Hub<'_, L> {
     pub(super) fn play(&mut self, slot: u8, repeats: bool, rounds: u32) -> Result<String, Refused> {
         if !self.shows.has(slot) {
             return Err(Refused::because("there is no show in this slot"));
+        }
+        if matches!(self.act, Some(Act::Show(_) | Act::Journey(_) | Act::Live(_))) {
+            return Err(Refused::because("the rig moves: hold it first"));
         }
         self.act = None;
         self.load(slot)?;

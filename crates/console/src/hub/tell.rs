@@ -6,6 +6,7 @@ use sinew_board_client::Line;
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{FaultRecord, Refusal, State};
 
+use super::bound::Bound;
 use super::idle::Idle;
 use super::{Act, Hub, Page, Refused};
 use crate::frame::{self, Frame};
@@ -44,6 +45,7 @@ impl<L: Line> Hub<'_, L> {
         let now = self.now();
         if may_drive && self.wheel.is_free() {
             self.wheel.take(page, now);
+            self.bound = Bound::default();
         }
         self.tell_roles();
         self.tell_page(page, &ToPage::Record { file: self.recorded() });

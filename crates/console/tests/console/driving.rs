@@ -189,7 +189,7 @@ fn one_page_drives_and_all_may_stop() {
         json!({ "type": "wheel", "take": true }),
     ] {
         let (is_done, text) = viewer.ask(command.clone());
-        assert!(!is_done && text.contains("another page drives"), "{command}: {text}");
+        assert!(!is_done && text.contains("somebody else drives"), "{command}: {text}");
     }
     assert!(console.told.lock().unwrap().jogs.is_empty() && !console.was_told(&Command::Arm));
     driver.arm();

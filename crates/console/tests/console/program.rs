@@ -107,7 +107,7 @@ fn only_who_has_the_wheel_arms_and_moves() {
     let mut program = open(&console);
     let q = until(&mut program, State::Limp).q;
     assert!(!program.drives());
-    let why = "another page drives";
+    let why = "somebody else drives";
     let moves = [
         PageCommand::Arm,
         goto(q.clone(), 1.0),
@@ -134,6 +134,63 @@ fn only_who_has_the_wheel_arms_and_moves() {
     assert!(page.ask(json!({ "type": "hold" })).0);
     let ended = answer(&mut program, id).unwrap_err();
     assert!(ended.contains("the motion was ended"), "{ended}");
+}
+
+#[test]
+fn a_hold_of_somebody_else_ends_a_stream_of_poses() {
+    let console = OtherSide::start(false);
+    let (mut program, q) = armed(&console);
+    let mut page = Page::open(&console);
+    let stream = |program: &mut Driver| {
+        let begun = Instant::now();
+        let mut refused = Vec::new();
+        while begun.elapsed() < Duration::from_secs(1) {
+            let q = vec![q[0] + 0.1 * begun.elapsed().as_secs_f32()];
+            refused.extend(ask(program, PageCommand::Live { q }).err());
+            sleep(Duration::from_millis(10));
+        }
+        refused
+    };
+    assert_eq!(stream(&mut program), Vec::<String>::new());
+    assert!(page.ask(json!({ "type": "hold" })).0);
+    until(&mut program, State::Holding);
+    let count = console.told.lock().unwrap().poses.len();
+    let refused = stream(&mut program);
+    assert!(refused.len() > 20, "{refused:?}");
+    assert!(refused.iter().all(|why| why.contains("told to stand")), "{refused:?}");
+    assert_eq!(report(&mut program).summary.state, State::Holding);
+    assert_eq!(console.told.lock().unwrap().poses.len(), count);
+    // The program knows that the rig stands.
+    ask(&mut program, PageCommand::Hold).unwrap();
+    assert_eq!(stream(&mut program), Vec::<String>::new());
+}
+
+#[test]
+fn after_a_stop_of_somebody_else_a_program_clears_before_it_arms() {
+    let console = OtherSide::start(false);
+    let (mut program, _) = armed(&console);
+    let mut page = Page::open(&console);
+    assert!(page.ask(json!({ "type": "stop" })).0);
+    until(&mut program, State::Limp);
+    let refused = ask(&mut program, PageCommand::Arm).unwrap_err();
+    assert!(refused.contains("`clear` first"), "{refused}");
+    ask(&mut program, PageCommand::Clear).unwrap();
+    ask(&mut program, PageCommand::Arm).unwrap();
+    until(&mut program, State::Holding);
+}
+
+#[test]
+fn a_motion_is_not_replaced_by_another() {
+    let console = OtherSide::start(true);
+    let (mut program, q) = armed(&console);
+    let first = program.ask(goto(vec![q[0] + 0.3], LONG_S)).unwrap();
+    // The board does not play yet, or does.
+    let play = PageCommand::Play { slot: 0, is_loop: false, rounds: 1 };
+    for command in [goto(q, 0.0), play, PageCommand::Faults] {
+        assert!(ask(&mut program, command.clone()).is_err(), "{command:?}");
+    }
+    ask(&mut program, PageCommand::Hold).unwrap();
+    assert!(answer(&mut program, first).unwrap_err().contains("the motion was ended"));
 }
 
 #[test]

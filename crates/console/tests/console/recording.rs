@@ -30,7 +30,7 @@ fn the_driver_records_and_viewers_see_it() {
     let (mut driver, mut viewer) = (Page::open(&console), Page::open(&console));
     driver.until_state(LIMP);
     let (is_done, text) = record(&mut viewer, true);
-    assert!(!is_done && text.contains("another page drives"), "{text}");
+    assert!(!is_done && text.contains("somebody else drives"), "{text}");
     let (is_done, text) = record(&mut driver, false);
     assert!(!is_done && text.contains("nothing is being recorded"), "{text}");
     let (is_done, text) = record(&mut driver, true);

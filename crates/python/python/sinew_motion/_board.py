@@ -69,8 +69,10 @@ class Board:
     ends a motion, the rig holds until the block ends.
 
     A console's board is moved by the rules for its pages: only who has the wheel arms and moves the rig. ``open`` takes
-    the wheel if nobody drives; ``take`` and ``release`` take and release it. If this program dies, the rig holds, at
-    the latest after 2 s. At the end of the block, the rig is stopped only if this program has the wheel.
+    the wheel if nobody drives; ``take`` and ``release`` take and release it. If this process dies or is halted, the rig
+    holds, at the latest after 2 s. After a hold of somebody else, ``live`` is refused until this program calls
+    ``hold``, ``goto``, ``play`` or ``arm``. At the end of the block, the rig is stopped only if this program has the
+    wheel, and has armed or moved the rig.
 
     Methods can be called from several threads. ``hold``, ``stop``, ``estop`` and ``close`` end what runs, and refuse
     the motions that wait. Other terminals stop the rig, too: ``sinew stop``, ``sinew estop``, ``Console``. Then the

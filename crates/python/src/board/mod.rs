@@ -11,7 +11,7 @@ mod session;
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel, sync_channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -53,6 +53,8 @@ const CANCEL: Duration = Duration::from_secs(3);
 pub(crate) struct NativeBoard {
     orders: Mutex<Option<Sender<Asked>>>,
     thread: Mutex<Option<JoinHandle<()>>>,
+    /// Error that has ended the thread.
+    over: Arc<OnceLock<String>>,
     nq: usize,
 }
 
@@ -80,20 +82,23 @@ pub(crate) fn open_board(
     let loaded = (*rig.loaded).clone();
     let (orders, inbox) = channel();
     let (opened, open) = sync_channel(1);
+    let over = Arc::new(OnceLock::new());
+    let why = Arc::clone(&over);
     let serve = move || {
         let tell = opened.clone();
         let served = open::serve(loaded, target, &servos, Inbox::new(inbox), move || {
             let _ = tell.send(Ok(Reply::Done));
         });
         if let Err(error) = served {
-            // The caller waits only for the opening. Later errors are replies to orders.
-            let _ = opened.try_send(Err(format!("{error:#}")));
+            let error = why.get_or_init(|| format!("{error:#}"));
+            // The caller waits only for the opening.
+            let _ = opened.try_send(Err(error.clone()));
         }
     };
     let thread = thread::Builder::new().name("board".to_owned());
     let thread = Mutex::new(Some(thread.stack_size(STACK_BYTES).spawn(serve)?));
-    let board = NativeBoard { orders: Mutex::new(Some(orders)), thread, nq };
-    wait(py, &Cancel::default(), open)?;
+    let board = NativeBoard { orders: Mutex::new(Some(orders)), thread, over, nq };
+    board.wait(py, &Cancel::default(), open)?;
     Ok(board)
 }
 
@@ -110,8 +115,39 @@ impl NativeBoard {
                 orders.as_ref().ok_or_else(|| BoardError::new_err("the board is closed"))?;
             orders.send(asked)
         };
-        sent.map_err(|_| BoardError::new_err("the session is over"))?;
-        wait(py, &cancel, replies)
+        sent.map_err(|_| self.is_over())?;
+        self.wait(py, &cancel, replies)
+    }
+
+    /// Returns the error for an order after the end of the session, with the reason of the end.
+    fn is_over(&self) -> PyErr {
+        let why = self.over.get().map(|why| format!(": {why}")).unwrap_or_default();
+        BoardError::new_err(format!("the session is over{why}"))
+    }
+
+    /// Waits for the reply to an order. After a signal the order is cancelled, and the signal's exception is raised.
+    fn wait(
+        &self,
+        py: Python<'_>,
+        cancel: &Cancel,
+        replies: Receiver<Result<Reply, String>>,
+    ) -> PyResult<Reply> {
+        let replies = Mutex::new(replies);
+        let receive = |time| {
+            py.detach(|| replies.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(time))
+        };
+        loop {
+            match receive(LOOK) {
+                Ok(reply) => return reply.map_err(BoardError::new_err),
+                Err(RecvTimeoutError::Disconnected) => return Err(self.is_over()),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            if let Err(signal) = py.check_signals() {
+                cancel.cancel();
+                let _ = receive(CANCEL);
+                return Err(signal);
+            }
+        }
     }
 
     fn done(&self, py: Python<'_>, order: Order) -> PyResult<()> {
@@ -129,32 +165,6 @@ impl NativeBoard {
             Some(bad) => {
                 Err(value(format!("q[{bad}] is {}; it must be a number from -1e6 to 1e6", q[bad])))
             }
-        }
-    }
-}
-
-/// Waits for the reply to an order. After a signal the order is cancelled, and the signal's exception is raised.
-fn wait(
-    py: Python<'_>,
-    cancel: &Cancel,
-    replies: Receiver<Result<Reply, String>>,
-) -> PyResult<Reply> {
-    let replies = Mutex::new(replies);
-    let receive = |time| {
-        py.detach(|| replies.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(time))
-    };
-    loop {
-        match receive(LOOK) {
-            Ok(reply) => return reply.map_err(BoardError::new_err),
-            Err(RecvTimeoutError::Disconnected) => {
-                return Err(BoardError::new_err("the session is over"));
-            }
-            Err(RecvTimeoutError::Timeout) => {}
-        }
-        if let Err(signal) = py.check_signals() {
-            cancel.cancel();
-            let _ = receive(CANCEL);
-            return Err(signal);
         }
     }
 }

@@ -31,6 +31,8 @@ pub(super) struct Remote<'a> {
     rig_crc: u32,
     /// Number of the console's summaries at the end of the last order that may have changed the state.
     changed: u32,
+    /// Whether this program has armed or moved the rig, which it then stops at its end.
+    has_moved: bool,
 }
 
 impl<'a> Remote<'a> {
@@ -40,7 +42,7 @@ impl<'a> Remote<'a> {
         inbox: Inbox,
     ) -> anyhow::Result<Self> {
         let driver = Driver::open(name).with_context(|| format!("the console {name}"))?;
-        let mut remote = Self { driver, inbox, mechanism, rig_crc, changed: 0 };
+        let mut remote = Self { driver, inbox, mechanism, rig_crc, changed: 0, has_moved: false };
         check_rig(remote.report()?.rig, rig_crc)?;
         Ok(remote)
     }
@@ -66,6 +68,7 @@ impl<'a> Remote<'a> {
 
     fn execute(&mut self, order: Order) -> anyhow::Result<Reply> {
         let changes = !matches!(order, Order::Live { .. } | Order::State | Order::Faults);
+        self.has_moved |= order.moves() && self.driver.drives();
         let reply = self.obey(order);
         if changes && let Ok(report) = self.report() {
             self.changed = report.summaries;
@@ -122,11 +125,11 @@ impl<'a> Remote<'a> {
         }
     }
 
-    /// Waits for an answer. Fails if the console refuses, or the running order must end.
-    fn answer(&mut self, id: u64) -> anyhow::Result<String> {
+    /// Waits for an answer. Fails if the running order must end; the console's refusal is the inner error.
+    fn answer(&mut self, id: u64) -> anyhow::Result<Result<String, String>> {
         loop {
             if let Some(answer) = self.driver.answer(id) {
-                return answer.map_err(|why| anyhow!(why));
+                return Ok(answer);
             }
             self.wait()?;
         }
@@ -136,7 +139,8 @@ impl<'a> Remote<'a> {
         self.ask(command).map(|_| ())
     }
 
-    /// Moves the rig, and waits for the end. If the order must end before, the rig holds, unless it is told to stop.
+    /// Arms or moves the rig, and waits for the end. If the order must end before, the rig holds, unless it is told to
+    /// stop. After a refusal it does not: then somebody else may move the rig.
     fn move_by(&mut self, command: PageCommand) -> anyhow::Result<()> {
         let id = self.driver.ask(command)?;
         let ended = self.answer(id);
@@ -145,7 +149,7 @@ impl<'a> Remote<'a> {
             // The rig may also have ended the motion by itself, and refuse to hold.
             let _ = self.driver.ask(PageCommand::Hold)?;
         }
-        ended.map(|_| ())
+        ended?.map(|_| ()).map_err(|why| anyhow!(why))
     }
 
     /// Returns the newest state.
@@ -164,7 +168,7 @@ impl<'a> Remote<'a> {
                 return Ok(report);
             }
             ensure!(self.driver.now() < end, "the controller sends no telemetry");
-            self.driver.step(TURN)?;
+            self.wait()?;
         }
     }
 
@@ -175,8 +179,7 @@ impl<'a> Remote<'a> {
     }
 
     fn arm(&mut self) -> anyhow::Result<()> {
-        let id = self.driver.ask(PageCommand::Arm)?;
-        self.answer(id)?;
+        self.move_by(PageCommand::Arm)?;
         let before = self.report()?.summaries;
         loop {
             match self.report_after(before)?.summary.state {
@@ -200,7 +203,7 @@ impl<'a> Remote<'a> {
         let name = "sinew_motion".to_owned();
         let id = self.driver.ask(PageCommand::Upload { name, slot: None, bytes: bytes.len() })?;
         self.driver.send_show(bytes)?;
-        self.answer(id).map(|_| ())
+        self.answer(id)?.map(|_| ()).map_err(|why| anyhow!(why))
     }
 
     fn play(&mut self, bytes: &[u8], rounds: u32) -> anyhow::Result<()> {
@@ -226,8 +229,8 @@ impl<'a> Remote<'a> {
         }
     }
 
-    /// Stops the rig if this program drives it. Otherwise the rig belongs to somebody else.
+    /// Stops the rig if this program drives it, and has armed or moved it. Otherwise its motion is somebody else's.
     fn close(&mut self) -> anyhow::Result<()> {
-        if self.driver.drives() { self.stop() } else { Ok(()) }
+        if self.driver.drives() && self.has_moved { self.stop() } else { Ok(()) }
     }
 }
