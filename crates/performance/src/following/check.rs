@@ -9,14 +9,14 @@ use sinew_show::{Position, Show};
 
 use super::lag::{ServoLag, servo_lags};
 use super::prediction::{Detectors, LargestError, Prediction};
-use crate::play::{Director, Memory, Options, PartsError, RigParts, SimulatedRig, closes_loop};
+use crate::play::{Director, Memory, Options, RigParts, SimulatedRig, closes_loop};
 
 /// Stack size of the thread that builds a controller with all its capacities.
 const STACK_BYTES: usize = 64 << 20;
 /// Share of the supervisor's limit that the error of a fitted show may reach: real servos differ from their models.
 const FITTED_SHARE: f32 = 0.8;
 
-/// How far behind a show may leave a servo.
+/// Permitted following errors of a show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Allowance {
     /// What the supervisor permits: an error of any size for less than its time, and up to its limit for any time.
@@ -39,22 +39,22 @@ impl FollowingCheck {
     /// position. Also returns `None` if the rig cannot play and no drive is given: `sinew play` states the reason.
     ///
     /// # Errors
-    /// [`PartsError`] if the rig cannot play with the given drive.
+    /// The rig cannot play with the given drive, or a drive does not accept a pose of its range.
     pub fn new(
         rig: &Description,
         mechanism: &Mechanism,
         options: Options,
         rig_crc: u32,
-    ) -> Result<Option<Self>, PartsError> {
+    ) -> anyhow::Result<Option<Self>> {
         if options.drive.is_none() && rig.servos.iter().all(|servo| closes_loop(&servo.model)) {
             return Ok(None);
         }
         let mut parts = match RigParts::new(rig, mechanism, options) {
             Ok(parts) => parts,
             Err(_) if options.drive.is_none() => return Ok(None),
-            Err(why) => return Err(why),
+            Err(why) => return Err(why.into()),
         };
-        let lags = servo_lags(&parts).unwrap_or_default();
+        let lags = servo_lags(&parts)?;
         let limit = parts.without_following_faults();
         parts.take_shows_of(rig_crc);
         let (rig, mechanism) = (rig.clone(), mechanism.clone());
