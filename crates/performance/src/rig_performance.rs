@@ -123,7 +123,7 @@ impl RigPerformance {
     /// the show would exceed a limit.
     ///
     /// # Errors
-    /// There is no such show, or a cue is not within the clip.
+    /// There is no such show, a cue is not within the clip, or a fitted show stops the simulated rig.
     pub fn bake(
         &mut self,
         mechanism: &Mechanism,
@@ -157,7 +157,7 @@ impl RigPerformance {
         let judge = |baked: &Baked, report: &mut Report| {
             if let Some(following) = &following {
                 let found = following.of(&baked.written.bytes, report, Allowance::Fit)?;
-                // Another fit may keep the rig from the stop, too.
+                // An excess may cause the stop; another fit then removes both.
                 if found.excesses.is_empty()
                     && let Some(why) = &found.stopped
                 {

@@ -116,14 +116,17 @@ impl FollowingCheck {
         #[expect(clippy::cast_possible_truncation, reason = "a board computes in f32")]
         let mut detectors =
             Detectors::new(limit, dt_s as f32, self.lags.iter().map(|lag| lag.dof))?;
-        let (mut director, mut ran_s) = (Director::default(), 0.0);
+        let (mut director, mut ran_s, mut lost) = (Director::default(), 0.0, None);
         let is_whole = loop {
             let ended = director.tick(&mut sim, false);
             let report = sim.report();
             let runs = sim.runs() && report.state == State::Playing;
             if runs {
                 let at = report.show.map_or(0, Position::sample);
-                detectors.note(f64::from(at) / rate_hz, |dof| report.dofs[dof].error);
+                lost = detectors.note(f64::from(at) / rate_hz, |dof| report.dofs[dof].error);
+                if lost.is_some() {
+                    break false;
+                }
                 ran_s += dt_s;
             }
             // A loop does not end by itself.
@@ -137,7 +140,11 @@ impl FollowingCheck {
         let faults = director.raised().minus(FaultSet::WARNINGS);
         let stopped = (!is_whole).then(|| {
             let named: Vec<String> = faults.iter().map(|fault| sim.named(fault)).collect();
-            if named.is_empty() { "the rig cannot be armed".to_owned() } else { named.join(", ") }
+            match lost {
+                Some(dof) => format!("the position of `{}` is not finite", parts.names[dof]),
+                None if named.is_empty() => "the rig cannot be armed".to_owned(),
+                None => named.join(", "),
+            }
         });
         let (largest, excesses) = detectors.result();
         Ok(Prediction { limit: self.limit, largest, excesses, stopped })

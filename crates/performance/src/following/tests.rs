@@ -193,6 +193,20 @@ fn a_load_in_time_with_the_loop_reaches_the_peak_gain() {
     assert!(lag::peak_gain(0.0).is_infinite() && lag::peak_gain(f64::INFINITY) < 1.0 + 1e-9);
 }
 
+/// An error that is not a number is no excess, and is named by its dof.
+#[test]
+fn an_error_that_is_not_finite_is_no_excess() {
+    let limit =
+        sinew_firmware::supervisor::detect::FollowingSettings { most_rad: 0.2, time_s: 0.0 };
+    for lost in [f32::NAN, f32::INFINITY] {
+        let mut detectors = prediction::Detectors::new(limit, 0.002, [3, 5].into_iter()).unwrap();
+        assert_eq!(detectors.note(0.0, |_| 0.1), None);
+        assert_eq!(detectors.note(0.002, |dof| if dof == 5 { lost } else { 1.0 }), Some(5));
+        let (largest, excesses) = detectors.result();
+        assert!(excesses.is_empty() && largest.dof == 5 && largest.error < 0.11, "{largest:?}");
+    }
+}
+
 #[test]
 fn only_servos_that_close_their_own_loop_are_predicted() {
     let rig = arm(3).unwrap();
