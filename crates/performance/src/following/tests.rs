@@ -1,5 +1,6 @@
 use sinew_firmware::supervisor::Fault;
 use sinew_retarget::feasibility::{Kind, Limits, Report, RigMotion, check};
+use sinew_rig::description::Supply;
 use sinew_rig::new::arm;
 use sinew_rig::review::{Loop, Servos, Severity};
 use sinew_rig::{Description, Mechanism};
@@ -9,7 +10,10 @@ use sinew_show::write::Settings;
 use super::*;
 use crate::play::{Director, Drive, Ended, Memory, Options, RigParts, SimulatedRig};
 use crate::rig::{LoadedRig, review};
-use crate::{Baker, CHECK_HZ, ShowMarks, ShowPlayback, rig_hash};
+use crate::{
+    Baker, CHECK_HZ, MotionChoices, RetargetedClip, RigPerformance, ShowChoices, ShowMarks,
+    ShowPlayback, rig_hash,
+};
 
 /// Returns the starter arm of three joints on STS3215, which are always driven by position, without limits of its own
 /// for speed and acceleration.
@@ -31,9 +35,14 @@ struct Checked {
     report: Report,
 }
 
-/// Bakes a show in which the first joint turns from -2 to 2 rad with at most a speed, after a second at rest. It
-/// accelerates evenly for 0.2 s.
+/// Bakes a show of [`turning`].
 fn turn(rig: &Description, mechanism: &Mechanism, speed_rad_s: f64) -> Checked {
+    checked(rig, mechanism, &turning(mechanism, speed_rad_s))
+}
+
+/// Returns a motion in which the first joint turns from -2 to 2 rad with at most a speed, after a second at rest. It
+/// accelerates evenly for 0.2 s.
+fn turning(mechanism: &Mechanism, speed_rad_s: f64) -> RigMotion {
     const DT_S: f64 = 0.01;
     let (mut at, mut speed) = (-2.0_f64, 0.0_f64);
     let change = speed_rad_s / 0.2 * DT_S;
@@ -49,7 +58,7 @@ fn turn(rig: &Description, mechanism: &Mechanism, speed_rad_s: f64) -> Checked {
             at = (at + speed * DT_S).min(2.0);
         }
     }
-    checked(rig, mechanism, &RigMotion { dt_s: DT_S, rows })
+    RigMotion { dt_s: DT_S, rows }
 }
 
 fn checked(rig: &Description, mechanism: &Mechanism, motion: &RigMotion) -> Checked {
@@ -120,9 +129,13 @@ fn the_prediction_is_true_on_both_sides_of_the_limit() {
     assert!((0.7 * high..high).contains(&most), "{most} {high}");
 }
 
-fn followed(description: Description, mechanism: Mechanism) -> Vec<FollowedSpeed> {
+fn loaded(description: Description, mechanism: Mechanism) -> LoadedRig {
     let (world, notes, doubts) = (None, Vec::new(), Vec::new());
-    let loaded = LoadedRig { description, mechanism, world, notes, doubts };
+    LoadedRig { description, mechanism, world, notes, doubts }
+}
+
+fn followed(description: Description, mechanism: Mechanism) -> Vec<FollowedSpeed> {
+    let loaded = loaded(description, mechanism);
     let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
     let review = review(&loaded, control).unwrap();
     FollowedSpeed::each(&loaded, &review, Options::default()).unwrap()
@@ -191,6 +204,28 @@ fn a_load_in_time_with_the_loop_reaches_the_peak_gain() {
     }
     assert!((lag::peak_gain(0.25) - 2.6).abs() < 0.01);
     assert!(lag::peak_gain(0.0).is_infinite() && lag::peak_gain(f64::INFINITY) < 1.0 + 1e-9);
+}
+
+/// Nothing is known about a fitted show after the simulated rig stops. A supply of 4.1 V is below the 4.2 V at which the
+/// supervisor faults, so the rig cannot be armed.
+#[test]
+fn a_fit_that_stops_the_simulated_rig_is_refused() {
+    let fitted = |voltage_v| {
+        let (mut description, mechanism) = arm_by_position();
+        description.supply = Some(Supply { voltage_v, current_a: 20.0 });
+        let clip = RetargetedClip::own(turning(&mechanism, 2.8));
+        let rig = loaded(description, mechanism);
+        let choices = MotionChoices { fit: true, ..MotionChoices::default() };
+        let mut performance = RigPerformance::new(&rig, "turn", 0.0, clip, choices).unwrap();
+        performance.bake(&rig.mechanism, &ShowChoices::default()).map(|_| performance.predicted)
+    };
+    let whole = fitted(7.4).unwrap().unwrap();
+    assert!(whole.stopped.is_none() && whole.largest.at_s.is_some(), "{whole:?}");
+    let told = format!("{:#}", fitted(4.1).unwrap_err());
+    assert!(
+        told.ends_with("does not play to its end on the simulated rig: the rig cannot be armed"),
+        "{told}"
+    );
 }
 
 /// An error that is not a number is no excess, and is named by its dof.
