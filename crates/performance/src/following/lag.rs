@@ -23,8 +23,8 @@ pub struct ServoLag {
     pub stiffness: f64,
     /// Effort per position error that the controller assumes. It differs from `stiffness` by the voltage of the supply.
     assumed_stiffness: f64,
-    /// Largest error under any load that stays between a peak and its negative, as a multiple of the error at rest under
-    /// the peak; see [`peak_gain`].
+    /// Largest error under any load that stays between a peak and its negative, as a multiple of the error at rest
+    /// under the peak; see [`peak_gain`].
     pub peak_gain: f64,
     /// Effort that the motors lose per speed, by back-EMF.
     pub drag: f64,
@@ -76,8 +76,8 @@ impl ServoLag {
 
 /// Returns the peak gain of a loop with a damping that is this share of the critical one: the integral of the absolute
 /// impulse response, divided by the response at rest. Each half swing is `e^-x` of the half swing before it, with
-/// `x = π ζ / √(1 - ζ²)`. A load that changes its sign with the swings adds them all up: `(1 + e^-x) / (1 - e^-x)`. It is
-/// 2.6 for a damping of 0.25, which the rule of the P gain demands of most servos. O(1).
+/// `x = π ζ / √(1 - ζ²)`. A load that changes its sign with the swings adds them all up: `(1 + e^-x) / (1 - e^-x)`. It
+/// is 2.6 for a damping of 0.25, which the rule of the P gain demands of most servos. O(1).
 pub(super) fn peak_gain(damping_ratio: f64) -> f64 {
     if damping_ratio >= 1.0 {
         return 1.0;

@@ -206,8 +206,8 @@ fn a_load_in_time_with_the_loop_reaches_the_peak_gain() {
     assert!(lag::peak_gain(0.0).is_infinite() && lag::peak_gain(f64::INFINITY) < 1.0 + 1e-9);
 }
 
-/// Nothing is known about a fitted show after the simulated rig stops. A supply of 4.1 V is below the 4.2 V at which the
-/// supervisor faults, so the rig cannot be armed.
+/// Nothing is known about a fitted show after the simulated rig stops. A supply of 4.1 V is below the 4.2 V at which
+/// the supervisor faults, so the rig cannot be armed.
 #[test]
 fn a_fit_that_stops_the_simulated_rig_is_refused() {
     let fitted = |voltage_v| {
