@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use anyhow::{Context as _, ensure};
+use anyhow::{Context as _, bail, ensure};
 use sinew_mocap::{Kind, read};
 use sinew_retarget::feasibility::{
     Curve, Fit, FitSettings, Limits, LoopError, LoopedMotion, Report, RigMotion, check, fit,
@@ -37,7 +37,7 @@ pub struct MotionChoices {
     pub keep_time: bool,
     /// Length of the blend of a loop's end into its start, s; `None`: no loop.
     pub loop_blend_s: Option<f64>,
-    /// How the servos will be driven: following errors are predicted for servos in position mode.
+    /// Drive of the servos: following errors are predicted for servos in position mode.
     pub driven: Options,
 }
 
@@ -123,7 +123,7 @@ impl RigPerformance {
     /// the show would exceed a limit.
     ///
     /// # Errors
-    /// There is no such show, or a cue is not within the clip.
+    /// There is no such show, a cue is not within the clip, or a fitted show stops the simulated rig.
     pub fn bake(
         &mut self,
         mechanism: &Mechanism,
@@ -157,6 +157,12 @@ impl RigPerformance {
         let judge = |baked: &Baked, report: &mut Report| {
             if let Some(following) = &following {
                 let found = following.of(&baked.written.bytes, report, Allowance::Fit)?;
+                // An excess may cause the stop; another fit then removes both.
+                if found.excesses.is_empty()
+                    && let Some(why) = &found.stopped
+                {
+                    bail!("the fitted show does not play to its end on the simulated rig: {why}");
+                }
                 report.add(found.excesses.iter().cloned());
                 predicted = Some(found);
             }

@@ -8,6 +8,7 @@ use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use sinew_mocap::Up;
 use sinew_performance::rig::{LoadedRig, load};
+use sinew_performance::rig_hash;
 use sinew_rig::description::Base;
 use sinew_rig::import::Options;
 use sinew_rig::mechanism::{JointModel, Link, Pose, Tie};
@@ -156,6 +157,11 @@ impl NativeRig {
     #[getter]
     fn nv(&self) -> usize {
         self.nv
+    }
+
+    #[getter]
+    fn crc(&self) -> u32 {
+        rig_hash(&self.loaded.description, &self.loaded.mechanism).0
     }
 
     #[getter]

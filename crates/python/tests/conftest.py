@@ -5,6 +5,10 @@ from __future__ import annotations
 import json
 import os
 import pathlib
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -43,6 +47,25 @@ def sockets(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Monkey
     folder = tmp_path_factory.mktemp("sockets")
     monkeypatch.setenv("SINEW_SOCKETS", str(folder))
     return folder
+
+
+@pytest.fixture
+def console(program: str, tmp_path: pathlib.Path, sockets: pathlib.Path) -> Iterator[sm.Rig]:
+    """Runs ``sinew console`` on a simulated arm, and returns its rig."""
+    file = tmp_path / "arm.toml"
+    sm.Rig.arm(2).save(file)
+    running = subprocess.Popen(
+        [program, "console", "--no-open", "--rig", str(file)], stdout=subprocess.DEVNULL, cwd=tmp_path
+    )
+    try:
+        end = time.monotonic() + 60.0
+        while not list(sockets.glob("*.sock")):
+            assert running.poll() is None and time.monotonic() < end, "the console does not start"
+            time.sleep(0.05)
+        yield sm.Rig.load(file)
+    finally:
+        running.send_signal(signal.SIGINT)
+        assert running.wait(60.0) == 0
 
 
 @pytest.fixture(scope="session")

@@ -90,7 +90,7 @@ pub(super) struct PerformanceArgs {
     #[arg(skip)]
     pub(super) blend_s: Option<f64>,
 
-    /// How the servos will be driven.
+    /// Drive of the servos.
     #[arg(skip)]
     pub(super) driven: Options,
 }

@@ -1,4 +1,4 @@
-//! The journal of a sweep: a line for each finished unit, written immediately.
+//! The journal of a sweep: a line for each finished unit, written when its group of up to 8 units is finished.
 //!
 //! The first line identifies the sweep. Only the last line can be cut off by a crash; it is dropped and its unit
 //! is run again.
@@ -19,8 +19,8 @@ use crate::Errors;
 /// Name of the journal's file in a sweep's folder.
 pub(super) const NAME: &str = "journal.jsonl";
 
-/// Interval of synchronization to disk: a crash of the machine loses at most the work of this time. A crash of the
-/// program alone loses nothing.
+/// Interval of synchronization to disk: a crash of the machine loses at most the lines of this time, and a crash of the
+/// program alone loses no line. Both lose the units that are not in a line yet: up to 8 per thread.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
 
 /// The result of a unit.

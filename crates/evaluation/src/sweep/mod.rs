@@ -1,9 +1,9 @@
 //! Sweeps: many setups on many clips, in parallel, on several machines, and resumable.
 //!
 //! A sweep file contains grids of values; each combination is a cell, a [`Setup`](crate::Setup) of its own. A unit
-//! is one cell on one clip. Every finished unit is immediately written to a journal, from which an interrupted
-//! sweep resumes. The tables are written from the complete journal, and are the same bytes however often the sweep
-//! was interrupted.
+//! is one cell on one clip. Each thread tracks up to 8 units together, and writes them to a journal when all of them
+//! are finished. An interrupted sweep resumes from the journal, and repeats the units that were not written. The tables are
+//! written from the complete journal, and are the same bytes however often the sweep was interrupted.
 
 mod error;
 mod file;

@@ -9,14 +9,14 @@ use sinew_show::{Position, Show};
 
 use super::lag::{ServoLag, servo_lags};
 use super::prediction::{Detectors, LargestError, Prediction};
-use crate::play::{Director, Memory, Options, PartsError, RigParts, SimulatedRig, closes_loop};
+use crate::play::{Director, Memory, Options, RigParts, SimulatedRig, closes_loop};
 
 /// Stack size of the thread that builds a controller with all its capacities.
 const STACK_BYTES: usize = 64 << 20;
 /// Share of the supervisor's limit that the error of a fitted show may reach: real servos differ from their models.
 const FITTED_SHARE: f32 = 0.8;
 
-/// How far behind a show may leave a servo.
+/// Permitted following errors of a show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Allowance {
     /// What the supervisor permits: an error of any size for less than its time, and up to its limit for any time.
@@ -39,22 +39,22 @@ impl FollowingCheck {
     /// position. Also returns `None` if the rig cannot play and no drive is given: `sinew play` states the reason.
     ///
     /// # Errors
-    /// [`PartsError`] if the rig cannot play with the given drive.
+    /// The rig cannot play with the given drive, or a drive does not accept a pose of its range.
     pub fn new(
         rig: &Description,
         mechanism: &Mechanism,
         options: Options,
         rig_crc: u32,
-    ) -> Result<Option<Self>, PartsError> {
+    ) -> anyhow::Result<Option<Self>> {
         if options.drive.is_none() && rig.servos.iter().all(|servo| closes_loop(&servo.model)) {
             return Ok(None);
         }
         let mut parts = match RigParts::new(rig, mechanism, options) {
             Ok(parts) => parts,
             Err(_) if options.drive.is_none() => return Ok(None),
-            Err(why) => return Err(why),
+            Err(why) => return Err(why.into()),
         };
-        let lags = servo_lags(&parts).unwrap_or_default();
+        let lags = servo_lags(&parts)?;
         let limit = parts.without_following_faults();
         parts.take_shows_of(rig_crc);
         let (rig, mechanism) = (rig.clone(), mechanism.clone());
@@ -116,14 +116,17 @@ impl FollowingCheck {
         #[expect(clippy::cast_possible_truncation, reason = "a board computes in f32")]
         let mut detectors =
             Detectors::new(limit, dt_s as f32, self.lags.iter().map(|lag| lag.dof))?;
-        let (mut director, mut ran_s) = (Director::default(), 0.0);
+        let (mut director, mut ran_s, mut lost) = (Director::default(), 0.0, None);
         let is_whole = loop {
             let ended = director.tick(&mut sim, false);
             let report = sim.report();
             let runs = sim.runs() && report.state == State::Playing;
             if runs {
                 let at = report.show.map_or(0, Position::sample);
-                detectors.note(f64::from(at) / rate_hz, |dof| report.dofs[dof].error);
+                lost = detectors.note(f64::from(at) / rate_hz, |dof| report.dofs[dof].error);
+                if lost.is_some() {
+                    break false;
+                }
                 ran_s += dt_s;
             }
             // A loop does not end by itself.
@@ -137,7 +140,11 @@ impl FollowingCheck {
         let faults = director.raised().minus(FaultSet::WARNINGS);
         let stopped = (!is_whole).then(|| {
             let named: Vec<String> = faults.iter().map(|fault| sim.named(fault)).collect();
-            if named.is_empty() { "the rig cannot be armed".to_owned() } else { named.join(", ") }
+            match lost {
+                Some(dof) => format!("the position of `{}` is not finite", parts.names[dof]),
+                None if named.is_empty() => "the rig cannot be armed".to_owned(),
+                None => named.join(", "),
+            }
         });
         let (largest, excesses) = detectors.result();
         Ok(Prediction { limit: self.limit, largest, excesses, stopped })

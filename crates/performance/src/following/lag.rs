@@ -3,12 +3,10 @@
 use sinew_firmware::drives::DriveSettings;
 use sinew_retarget::feasibility::DofPeaks;
 use sinew_rig::drive::DriveInputError;
+use sinew_rig::stiffness::DELAY_S;
 
 use crate::play::{Drive, RigParts};
 
-/// Factor on the angle by which a load bends the servo's loop when the load comes suddenly. The rule of the P gain
-/// allows a damping of 0.25 of the critical one, with which a loop overshoots by 44 %.
-const OVERSHOOT: f64 = 1.44;
 /// Age of the error's two positions, in ticks: a goal is followed until the end of its tick, and a reading is from the
 /// tick before.
 const LATE_TICKS: f64 = 2.0;
@@ -25,6 +23,9 @@ pub struct ServoLag {
     pub stiffness: f64,
     /// Effort per position error that the controller assumes. It differs from `stiffness` by the voltage of the supply.
     assumed_stiffness: f64,
+    /// Largest error under any load that stays between a peak and its negative, as a multiple of the error at rest
+    /// under the peak; see [`peak_gain`].
+    pub peak_gain: f64,
     /// Effort that the motors lose per speed, by back-EMF.
     pub drag: f64,
     /// Maximum effort, at standstill.
@@ -38,15 +39,16 @@ pub struct ServoLag {
 }
 
 impl ServoLag {
-    /// Returns a bound of the error in a motion with these peaks: `1.44 load / stiffness + speed 2 dt`, where the load
-    /// is the effort plus `drag` times the speed. `None` if the servos may lack the effort or the speed, so that the
-    /// error has no bound.
+    /// Returns a bound of the error in a motion with these peaks: `peak_gain load / stiffness + speed 2 dt`, where the
+    /// load is the effort plus `drag` times the speed. `None` if the servos may lack the effort or the speed, or if
+    /// their loop does not damp, so that the error has no bound.
     pub fn bound(&self, peaks: &DofPeaks) -> Option<f64> {
         let load = peaks.effort + self.drag * peaks.speed;
         let is_strong =
             load <= MOST_SHARE * self.stall && peaks.speed <= MOST_SHARE * self.speed_cap;
-        is_strong
-            .then(|| OVERSHOOT * load / self.stiffness + LATE_TICKS * self.tick_s * peaks.speed)
+        (is_strong && self.peak_gain.is_finite()).then(|| {
+            self.peak_gain * load / self.stiffness + LATE_TICKS * self.tick_s * peaks.speed
+        })
     }
 
     /// Returns the load that the servos cannot hold with an error of at most `most`, however long they try.
@@ -70,6 +72,19 @@ impl ServoLag {
     pub fn sags(&self, most: f64, load: f64) -> bool {
         load > self.most_load(most)
     }
+}
+
+/// Returns the peak gain of a loop with a damping that is this share of the critical one: the integral of the absolute
+/// impulse response, divided by the response at rest. Each half swing is `e^-x` of the half swing before it, with
+/// `x = π ζ / √(1 - ζ²)`. A load that changes its sign with the swings adds them all up: `(1 + e^-x) / (1 - e^-x)`. It
+/// is 2.6 for a damping of 0.25, which the rule of the P gain demands of most servos. O(1).
+pub(super) fn peak_gain(damping_ratio: f64) -> f64 {
+    if damping_ratio >= 1.0 {
+        return 1.0;
+    }
+    let ratio = damping_ratio.max(0.0);
+    let half_swing = (-std::f64::consts::PI * ratio / (1.0 - ratio * ratio).sqrt()).exp();
+    (1.0 + half_swing) / (1.0 - half_swing)
 }
 
 /// Returns the models of all dofs whose servos close their own loop and report their position, at the worst of the home
@@ -116,6 +131,7 @@ impl ServoLag {
         Self {
             stiffness: self.stiffness.min(other.stiffness),
             assumed_stiffness: self.assumed_stiffness.min(other.assumed_stiffness),
+            peak_gain: self.peak_gain.max(other.peak_gain),
             drag: self.drag.max(other.drag),
             stall: self.stall.min(other.stall),
             speed_cap: self.speed_cap.min(other.speed_cap),
@@ -128,6 +144,7 @@ impl ServoLag {
 /// A servo, at the shaft that its drive uses.
 struct Shaft {
     stiffness: f32,
+    peak_gain: f64,
     assumed_stiffness: f32,
     drag: f32,
     stall: f64,
@@ -150,10 +167,17 @@ impl Shaft {
         let assumed = settings.position_gain_nm_rad * own.gain_ratio * gear * gear;
         #[expect(clippy::cast_possible_truncation, reason = "drives compute in f32")]
         let stiffness = assumed * voltage as f32;
+        let drag = own.drag_nm_s * gear * gear;
+        // The load with the most inertia swings the longest. The delay of the servo's loop takes from its damping.
+        let rotor = kind.rotor_inertia_kg_m2;
+        let inertia = rotor + parts.load_inertias_kg_m2[servo].max(rotor);
+        let at_motor = f64::from(stiffness / (gear * gear));
+        let damping = kind.damping_nm_s + f64::from(own.drag_nm_s) - at_motor * DELAY_S;
         Some(Self {
             stiffness,
+            peak_gain: peak_gain(0.5 * damping / (at_motor * inertia).sqrt()),
             assumed_stiffness: assumed,
-            drag: own.drag_nm_s * gear * gear,
+            drag,
             stall: stall_nm.min(settings.torque_nm.into()) * f64::from(gear),
             speed_cap: kind.speed_cap_rad_s.unwrap_or(f64::INFINITY) / f64::from(gear),
             offset: f64::from(own.offset_rad / gear),
@@ -181,6 +205,7 @@ fn at_pose(
         dof,
         stiffness: reflected(|servo| servo.stiffness)?,
         assumed_stiffness: reflected(|servo| servo.assumed_stiffness)?,
+        peak_gain: servos.iter().map(|servo| servo.peak_gain).fold(1.0, f64::max),
         drag: reflected(|servo| servo.drag)?,
         stall: least(|servo| servo.stall, &torques),
         speed_cap: least(|servo| servo.speed_cap, &speeds),

@@ -64,8 +64,13 @@ impl Detectors {
         Ok(Self { dofs: dofs.map(detector).collect(), limit })
     }
 
-    /// Adds a tick at a time of the show, s. `error` returns the error of a dof.
-    pub(super) fn note(&mut self, time_s: f64, error: impl Fn(usize) -> f32) {
+    /// Adds a tick at a time of the show, s. `error` returns the error of a dof. Returns the first dof whose error is
+    /// not finite, so that nothing is known about it; `None` if there is no such dof.
+    pub(super) fn note(&mut self, time_s: f64, error: impl Fn(usize) -> f32) -> Option<usize> {
+        let lost = self.dofs.iter().map(|own| own.dof).find(|dof| !error(*dof).is_finite());
+        if lost.is_some() {
+            return lost;
+        }
         for own in &mut self.dofs {
             let error_rad = error(own.dof);
             let is_fault = own.following.step(error_rad).is_some();
@@ -96,6 +101,7 @@ impl Detectors {
                 own.found.push(now.clone());
             }
         }
+        None
     }
 
     /// Returns the largest error of all dofs, and all periods in which the supervisor would act.

@@ -1,5 +1,6 @@
 use sinew_firmware::supervisor::Fault;
 use sinew_retarget::feasibility::{Kind, Limits, Report, RigMotion, check};
+use sinew_rig::description::Supply;
 use sinew_rig::new::arm;
 use sinew_rig::review::{Loop, Servos, Severity};
 use sinew_rig::{Description, Mechanism};
@@ -9,7 +10,10 @@ use sinew_show::write::Settings;
 use super::*;
 use crate::play::{Director, Drive, Ended, Memory, Options, RigParts, SimulatedRig};
 use crate::rig::{LoadedRig, review};
-use crate::{Baker, CHECK_HZ, ShowMarks, ShowPlayback, rig_hash};
+use crate::{
+    Baker, CHECK_HZ, MotionChoices, RetargetedClip, RigPerformance, ShowChoices, ShowMarks,
+    ShowPlayback, rig_hash,
+};
 
 /// Returns the starter arm of three joints on STS3215, which are always driven by position, without limits of its own
 /// for speed and acceleration.
@@ -31,9 +35,14 @@ struct Checked {
     report: Report,
 }
 
-/// Bakes a show in which the first joint turns from -2 to 2 rad with at most a speed, after a second at rest. It
-/// accelerates evenly for 0.2 s.
+/// Bakes a show of [`turning`].
 fn turn(rig: &Description, mechanism: &Mechanism, speed_rad_s: f64) -> Checked {
+    checked(rig, mechanism, &turning(mechanism, speed_rad_s))
+}
+
+/// Returns a motion in which the first joint turns from -2 to 2 rad with at most a speed, after a second at rest. It
+/// accelerates evenly for 0.2 s.
+fn turning(mechanism: &Mechanism, speed_rad_s: f64) -> RigMotion {
     const DT_S: f64 = 0.01;
     let (mut at, mut speed) = (-2.0_f64, 0.0_f64);
     let change = speed_rad_s / 0.2 * DT_S;
@@ -49,7 +58,7 @@ fn turn(rig: &Description, mechanism: &Mechanism, speed_rad_s: f64) -> Checked {
             at = (at + speed * DT_S).min(2.0);
         }
     }
-    checked(rig, mechanism, &RigMotion { dt_s: DT_S, rows })
+    RigMotion { dt_s: DT_S, rows }
 }
 
 fn checked(rig: &Description, mechanism: &Mechanism, motion: &RigMotion) -> Checked {
@@ -120,31 +129,117 @@ fn the_prediction_is_true_on_both_sides_of_the_limit() {
     assert!((0.7 * high..high).contains(&most), "{most} {high}");
 }
 
-fn followed(description: Description, mechanism: Mechanism) -> Vec<FollowedSpeed> {
+fn loaded(description: Description, mechanism: Mechanism) -> LoadedRig {
     let (world, notes, doubts) = (None, Vec::new(), Vec::new());
-    let loaded = LoadedRig { description, mechanism, world, notes, doubts };
+    LoadedRig { description, mechanism, world, notes, doubts }
+}
+
+fn followed(description: Description, mechanism: Mechanism) -> Vec<FollowedSpeed> {
+    let loaded = loaded(description, mechanism);
     let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
     let review = review(&loaded, control).unwrap();
     FollowedSpeed::each(&loaded, &review, Options::default()).unwrap()
 }
 
-/// A show whose servos have a bound is not played. The error of a play is below the bound.
+/// Bakes a show in which the first joint swings at a frequency. The swing grows and fades over a second.
+fn swing(rig: &Description, mechanism: &Mechanism, amplitude: f64, rad_s: f64) -> Checked {
+    const DT_S: f64 = 0.01;
+    let row = |row: u32| {
+        let time_s = f64::from(row) * DT_S;
+        let fade = (time_s.min(5.0 - time_s)).clamp(0.0, 1.0);
+        let mut q = mechanism.home();
+        q[0] += amplitude * fade * fade * (3.0 - 2.0 * fade) * (rad_s * time_s).sin();
+        q
+    };
+    checked(rig, mechanism, &RigMotion { dt_s: DT_S, rows: (0..=500).map(row).collect() })
+}
+
+/// A show whose servos have a bound is not played. The error of a play is below the bound, also if the joint swings at
+/// the frequency of its servo's loop.
 #[test]
 fn a_play_stays_within_the_bound() {
     let (rig, mechanism) = arm_by_position();
     let prepared = prepared(&rig, &mechanism, Options::default()).unwrap();
-    let mut bounds = 0;
-    for speed_rad_s in [0.3, 0.8, 1.6] {
-        let Checked { show, report } = turn(&rig, &mechanism, speed_rad_s);
-        let Some(bound) = prepared.bound(&report) else { continue };
-        bounds += 1;
-        let limit = sinew_firmware::supervisor::detect::FollowingSettings::default();
-        let played = prepared.played(&show, limit).unwrap();
-        let [played, bound] = [played.largest.error, bound.error].map(f64::to_degrees);
-        println!("{speed_rad_s} rad/s: {played:.2} deg, bound {bound:.2} deg");
-        assert!(played <= bound, "{speed_rad_s}: {played} {bound}");
+    let parts = RigParts::new(&rig, &mechanism, Options::default()).unwrap();
+    let lag = servo_lags(&parts).unwrap()[0];
+    let rotor = parts.servos[0].own.kind.rotor_inertia_kg_m2;
+    let own_rad_s = (lag.stiffness / (rotor + parts.load_inertias_kg_m2[0])).sqrt();
+    let turns = [0.3, 0.8, 1.6].map(|speed_rad_s| turn(&rig, &mechanism, speed_rad_s));
+    let swings = [0.005, 0.02].map(|amplitude| swing(&rig, &mechanism, amplitude, own_rad_s));
+    let bound = |shows: &[Checked]| {
+        let mut bounds = 0;
+        for Checked { show, report } in shows {
+            let Some(bound) = prepared.bound(report) else { continue };
+            bounds += 1;
+            let limit = sinew_firmware::supervisor::detect::FollowingSettings::default();
+            let played = prepared.played(show, limit).unwrap();
+            let [played, bound] = [played.largest.error, bound.error].map(f64::to_degrees);
+            println!("{own_rad_s:.1} rad/s: {played:.2} deg, bound {bound:.2} deg");
+            assert!(played <= bound, "{played} {bound}");
+        }
+        bounds
+    };
+    assert!(bound(&turns) > 0 && bound(&swings) > 0);
+}
+
+/// The worst load changes its sign with each half swing of the loop. It nearly reaches the peak gain: 40 half swings
+/// with a damping of 0.05 leave `e^-6.3` of the sum, steps of a ten-thousandth of a swing change less.
+#[test]
+fn a_load_in_time_with_the_loop_reaches_the_peak_gain() {
+    for damping_ratio in [0.05_f64, 0.25, 0.7] {
+        // A loop with the frequency 1 rad/s and the stiffness 1.
+        let half_s = std::f64::consts::PI / (1.0 - damping_ratio * damping_ratio).sqrt();
+        let (steps, half_swings) = (5000, 40);
+        let dt_s = half_s / f64::from(steps);
+        let (mut error, mut speed, mut largest) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for step in 0..half_swings * steps {
+            let load = if step / steps % 2 == 0 { 1.0 } else { -1.0 };
+            speed += dt_s * (load - 2.0 * damping_ratio * speed - error);
+            error += dt_s * speed;
+            largest = largest.max(error.abs());
+        }
+        let gain = lag::peak_gain(damping_ratio);
+        println!("damping {damping_ratio}: {largest:.3} of {gain:.3}");
+        assert!((0.99 * gain..1.001 * gain).contains(&largest), "{largest} {gain}");
     }
-    assert!(bounds > 0);
+    assert!((lag::peak_gain(0.25) - 2.6).abs() < 0.01);
+    assert!(lag::peak_gain(0.0).is_infinite() && lag::peak_gain(f64::INFINITY) < 1.0 + 1e-9);
+}
+
+/// Nothing is known about a fitted show after the simulated rig stops. A supply of 4.1 V is below the 4.2 V at which
+/// the supervisor faults, so the rig cannot be armed.
+#[test]
+fn a_fit_that_stops_the_simulated_rig_is_refused() {
+    let fitted = |voltage_v| {
+        let (mut description, mechanism) = arm_by_position();
+        description.supply = Some(Supply { voltage_v, current_a: 20.0 });
+        let clip = RetargetedClip::own(turning(&mechanism, 2.8));
+        let rig = loaded(description, mechanism);
+        let choices = MotionChoices { fit: true, ..MotionChoices::default() };
+        let mut performance = RigPerformance::new(&rig, "turn", 0.0, clip, choices).unwrap();
+        performance.bake(&rig.mechanism, &ShowChoices::default()).map(|_| performance.predicted)
+    };
+    let whole = fitted(7.4).unwrap().unwrap();
+    assert!(whole.stopped.is_none() && whole.largest.at_s.is_some(), "{whole:?}");
+    let told = format!("{:#}", fitted(4.1).unwrap_err());
+    assert!(
+        told.ends_with("does not play to its end on the simulated rig: the rig cannot be armed"),
+        "{told}"
+    );
+}
+
+/// An error that is not a number is no excess, and is named by its dof.
+#[test]
+fn an_error_that_is_not_finite_is_no_excess() {
+    let limit =
+        sinew_firmware::supervisor::detect::FollowingSettings { most_rad: 0.2, time_s: 0.0 };
+    for lost in [f32::NAN, f32::INFINITY] {
+        let mut detectors = prediction::Detectors::new(limit, 0.002, [3, 5].into_iter()).unwrap();
+        assert_eq!(detectors.note(0.0, |_| 0.1), None);
+        assert_eq!(detectors.note(0.002, |dof| if dof == 5 { lost } else { 1.0 }), Some(5));
+        let (largest, excesses) = detectors.result();
+        assert!(excesses.is_empty() && largest.dof == 5 && largest.error < 0.11, "{largest:?}");
+    }
 }
 
 #[test]

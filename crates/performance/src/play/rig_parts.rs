@@ -69,6 +69,8 @@ pub struct RigParts {
     pub lines: Vec<Line>,
     /// Servos, in the rig's order.
     pub servos: Vec<ServoPart>,
+    /// Maximum inertia that each servo moves, without its rotor, at its own shaft, kg m².
+    pub load_inertias_kg_m2: Vec<f64>,
     /// Names of the dofs.
     pub names: Vec<String>,
     /// Whether each dof slides: its numbers are in m and N.
@@ -168,6 +170,7 @@ impl RigParts {
             supply: rig.supply,
             lines,
             servos: parts,
+            load_inertias_kg_m2: gears.iter().map(|gear| gear.load_inertia_kg_m2).collect(),
             names: mechanism.dof_names(),
             slides: slides.collect(),
             drives,

@@ -149,6 +149,11 @@ class Rig:
         return [-1 if parent is None else parent for parent in self._native.parents]
 
     @property
+    def crc(self) -> int:
+        """The checksum by which shows and boards identify the rig; 0 if no board can hold the rig."""
+        return self._native.crc
+
+    @property
     def home(self) -> Array:
         """The home pose, ``(nq,)``."""
         return np.array(self._native.home())

@@ -15,6 +15,7 @@ class NativeRig:
     notes: list[str]
     nq: int
     nv: int
+    crc: int
     body_names: list[str]
     joint_names: list[str]
     dof_names: list[str]

@@ -158,8 +158,8 @@ fn judge(played: &Played, seen: &[Seen], seconds: u32) -> Result<(), Busy> {
     let begin_s = goals[0] - 1.0;
     let clicks: Vec<_> =
         heard.clicks.iter().map(|click| (played.of_context(click.0), *click)).collect();
-    let mut is_first_calm = false;
-    let [mut by_jaw, mut by_goal] = [Vec::new(), Vec::new()];
+    let (mut is_first_calm, mut late_by_sound) = (false, 0);
+    let [mut by_jaw, mut by_goal, mut all_by_jaw] = [Vec::new(), Vec::new(), Vec::new()];
     for (index, (goal, jaw)) in goals.iter().zip(&jaw).enumerate() {
         if !clock.is_calm(*goal, begin_s - 1.0) {
             continue;
@@ -167,7 +167,11 @@ fn judge(played: &Played, seen: &[Seen], seconds: u32) -> Result<(), Busy> {
         let [goal_s, jaw_s] = [goal, jaw].map(|board_s| clock.here_s(*board_s));
         let near: Vec<_> =
             clicks.iter().filter(|(click_s, _)| (click_s - goal_s).abs() < 0.4).collect();
+        if let [(click_s, _)] = near[..] {
+            all_by_jaw.push((jaw_s, *click_s));
+        }
         if near.iter().any(|(_, (at, _))| !heard.is_calm(*at)) {
+            late_by_sound += 1;
             continue;
         }
         let [(click_s, (at, Some(until)))] = near[..] else {
@@ -191,6 +195,10 @@ fn judge(played: &Played, seen: &[Seen], seconds: u32) -> Result<(), Busy> {
     let uncertain_s = played.uncertain_s();
     println!("{seconds} s, {counted} of {count} clicks. Sound behind the jaw: {by_jaw}");
     println!("Sound behind the jaw's goals: {by_goal}");
+    let all_ms = 1e3 * Offsets::of(&all_by_jaw).slope_s;
+    println!(
+        "{late_by_sound} left out because of late sound alone; with them by a line {all_ms:.1} ms"
+    );
     println!("Begin of the sound behind the show's clock: {:.1} ms", 1e3 * begin_late_s);
     println!("Uncertainty: {:.1} ms", 1e3 * uncertain_s);
     assert!(uncertain_s < UNCERTAIN_S, "{uncertain_s} s");

@@ -14,7 +14,7 @@ const DRIFT_S: f64 = 0.02;
 pub(super) const CALM_S: u32 = 12;
 pub(super) const CALM_SHIFT_S: f64 = 0.003;
 
-/// How far the sound is behind the jaw.
+/// Delay of the sound behind the jaw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(clippy::struct_field_names, reason = "the unit of each is s")]
 pub(super) struct Offsets {

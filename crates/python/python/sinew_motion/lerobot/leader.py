@@ -40,7 +40,9 @@ class SinewLeader(Teleoperator):
         self.config = config
         self.joints = Joints(config)
         self.show = None if config.show is None else Show.open(config.show)
-        if self.show is not None and self.show.sample(0.0)[0].size != self.joints.rig.nq:
+        rig, show = self.joints.rig, self.show
+        # Rigs that fit no board have the checksum 0, so their coordinates are counted, too.
+        if show is not None and (show.rig_crc != rig.crc or show.sample(0.0)[0].size != rig.nq):
             raise ValueError(f"{config.show}: the show is of another rig")
         self.board: Board | None = None
         """The board of the leading rig while it is connected; ``None`` with a show."""

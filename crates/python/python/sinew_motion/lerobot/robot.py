@@ -16,7 +16,7 @@ class SinewRobot(Robot):
     """A board with its rig as a robot of LeRobot.
 
     ``connect`` arms the rig: torque comes on at the measured pose. ``disconnect`` stops it: the rig goes to its rest
-    pose and is lowered, and torque is switched off. So does the end of a ``with`` block, or of the program.
+    pose and is lowered, and torque is switched off. The end of a ``with`` block, or of the program, stops it, too.
 
     >>> import pathlib, tempfile
     >>> from sinew_motion import Rig
