@@ -89,10 +89,10 @@ fn a_program_arms_moves_plays_and_stops() {
         ask(&mut program, PageCommand::Live { q }).unwrap();
     }
     until(&mut program, State::Playing);
-    let last = goal[0] - 0.038;
-    assert!(console.told.lock().unwrap().poses.iter().any(|q| (q[0] - last).abs() < 1e-6));
     // Nothing repeats the last pose: the board holds.
     until(&mut program, State::Holding);
+    let last = goal[0] - 0.038;
+    assert!(console.told.lock().unwrap().poses.iter().any(|q| (q[0] - last).abs() < 1e-6));
     let play = PageCommand::Play { slot: 0, is_loop: false, rounds: 1 };
     assert_eq!(ask(&mut program, play).unwrap(), "the show is over");
     assert_eq!(ask(&mut program, PageCommand::Faults).unwrap(), "[]");

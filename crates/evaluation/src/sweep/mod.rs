@@ -2,8 +2,8 @@
 //!
 //! A sweep file contains grids of values; each combination is a cell, a [`Setup`](crate::Setup) of its own. A unit
 //! is one cell on one clip. Each thread tracks up to 8 units together, and writes them to a journal when all of them
-//! are finished. An interrupted sweep resumes from the journal, and repeats the units that were not written. The
-//! tables are written from the complete journal, and are the same bytes however often the sweep was interrupted.
+//! are finished. An interrupted sweep resumes from the journal, and repeats the units that were not written. The tables
+//! are written from the complete journal, and are the same bytes however often the sweep was interrupted.
 
 mod error;
 mod file;
