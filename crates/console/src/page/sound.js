@@ -10,9 +10,9 @@ const JUMP_S = 0.08;
 // Share of the drift that is corrected in a second; and interval of corrections, s.
 const GAIN = 0.4;
 const STEER_EVERY_S = 0.25;
-// The board's times arrive late, never early. Of those in this window, the one that arrived with the least delay counts,
-// s. If all are late, the clock falls behind by no more than this share of the time, because the board's clock is even,
-// unless they are later by this time: then the board's clock has changed, s.
+// The board's times arrive late, never early. The one with the least delay within this window counts, s. If all are
+// late, the clock falls behind by no more than this share of the time, because the board's clock is even, unless they
+// are later by this time: then the board's clock has changed, s.
 const WINDOW_S = 2;
 const FALL = 0.005;
 const SHIFT_S = 0.03;
