@@ -149,7 +149,7 @@ mod tests {
             (board_s, 5.0 + board_s + late_s + stopped_s)
         };
         let clock = BoardClock::new((0..4000).map(here));
-        for (board_s, here_s) in [(10.0, 15.0), (30.0, 35.1)] {
+        for (board_s, here_s) in [(10.0, 15.0), (35.0, 40.1)] {
             assert!((clock.here_s(board_s) - here_s).abs() < 1e-9 && clock.is_calm(board_s, 0.0));
         }
         assert!(!clock.is_calm(22.0, 0.0) && clock.is_calm(22.0, 21.0));
