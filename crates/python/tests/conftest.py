@@ -17,6 +17,9 @@ import sinew_motion as sm
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
+# A shell's background jobs ignore Ctrl-C, and pass this on to the programs that the tests interrupt.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 
 def golden(path: str) -> Any:
     """Reads a golden file of the repository."""
