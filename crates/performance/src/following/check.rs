@@ -19,7 +19,7 @@ const FITTED_SHARE: f32 = 0.8;
 /// Permitted following errors of a show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Allowance {
-    /// What the supervisor permits: an error of any size for less than its time, and up to its limit for any time.
+    /// The supervisor's own limits: an error of any size for less than its time, and up to its limit for any time.
     Supervisor,
     /// The room of a fit: at most 0.8 of the supervisor's limit, at all times.
     Fit,
