@@ -24,7 +24,7 @@ pub struct ServoLag {
     /// Effort per position error that the controller assumes. It differs from `stiffness` by the voltage of the supply.
     assumed_stiffness: f64,
     /// Largest error under any load that stays between a peak and its negative, as a multiple of the error at rest
-    /// under the peak; see [`peak_gain`].
+    /// under the peak; see `peak_gain`.
     pub peak_gain: f64,
     /// Effort that the motors lose per speed, by back-EMF.
     pub drag: f64,
