@@ -3,24 +3,30 @@
 use glam::{Mat3, Quat, Vec3};
 use sinew_core::{Body, JointKind, Twist, math};
 
-use crate::lanes::{LANES, Matrices, Numbers, Vectors};
+use crate::LANES;
+use crate::lanes::{Matrices, Vectors};
+use crate::turn::{cosine_of_root, near_unit, sine_over_angle};
 
-/// Motion of a joint at all instants.
+/// A number for each instant.
+pub(crate) type Numbers = crate::lanes::Numbers<LANES>;
+
+/// Motion of a joint in all lanes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Motion {
+pub(crate) struct Motion<const L: usize> {
     /// Rotation from the body's axes to its parent's axes.
-    pub(crate) rotation: Matrices,
+    pub(crate) rotation: Matrices<L>,
     /// Position of the joint in its parent's frame.
-    pub(crate) arm: Vectors,
-    pub(crate) velocity: [Vectors; 2],
+    pub(crate) arm: Vectors<L>,
+    /// Angular and linear velocity.
+    pub(crate) velocity: [Vectors<L>; 2],
     /// Angular and linear acceleration.
-    pub(crate) acceleration: [Vectors; 2],
+    pub(crate) acceleration: [Vectors<L>; 2],
 }
 
 /// Coordinates of a joint at all instants: positions, speeds, accelerations.
 pub(crate) type Coordinates<'a> = [&'a [Numbers]; 3];
 
-impl Motion {
+impl Motion<LANES> {
     /// Returns the motion of a joint at rest. Motions of joints that only turn keep its arm.
     pub(crate) fn at_rest(body: &Body) -> Self {
         let joint = if slides(body.joint) { JointKind::Fixed } else { body.joint };
@@ -191,22 +197,3 @@ const EIGHTH: f32 = 0.25 * math::PI;
 
 /// Angle from which `math::sin_cos` uses the remainder of a division, rad.
 const FARTHEST: f32 = 8192.0;
-
-/// Computes the polynomial of `math::exp` for `sin(x) / x` as a function of x².
-#[inline(always)]
-fn sine_over_angle(y: f32) -> f32 {
-    1.0 + y * (-0.166_666_55 + y * (0.008_332_1 - y * 1.950_396_4e-4))
-}
-
-/// Computes the polynomial of `math::exp` for `cos(x)` as a function of x².
-#[inline(always)]
-fn cosine_of_root(y: f32) -> f32 {
-    1.0 - y * (0.5 - y * (0.041_666_653 + y * (-0.001_388_765_4 + y * 2.446_383_4e-5)))
-}
-
-/// Computes the series of `math::unit`, and whether `math::unit` uses it.
-#[inline(always)]
-fn near_unit(q: Quat) -> (Quat, bool) {
-    let excess = q.dot(q) - 1.0;
-    (q + q * (excess * (0.375 * excess - 0.5)), excess.abs() < 2e-3)
-}

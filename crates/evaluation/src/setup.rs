@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_core::Workspace;
-use sinew_core::tracker::{MethodName, Settings, Timing, Tracker, TrackerError};
+use sinew_core::tracker::{
+    DesiredVelocity, Differences, MethodName, ObserverChoice, Settings, Timing, Tracker,
+    TrackerError,
+};
 use sinew_figure::plant::PlantSettings;
 use sinew_figure::{BODIES, BodyModel, BodyModelError, Dimensions, FigureMotion, Root, Subject};
 use sinew_host_util::parse_message;
@@ -175,6 +178,17 @@ impl Setup {
             names: names.collect::<Vec<_>>().join(", "),
             found: wanted.clone(),
         })
+    }
+
+    /// Returns whether trackers with these settings may be those of [`sinew_batch::Trackers`]: differences of frames
+    /// and of readings, without projection, observer and supply.
+    pub(super) fn has_plain_tracker(&self) -> bool {
+        let ControllerSettings { method, differences, desired_velocity, observer, .. } =
+            &self.controller;
+        matches!(method, MethodName::Local | MethodName::World | MethodName::LinearCompensation)
+            && (*differences, *desired_velocity) == (Differences::Forward, DesiredVelocity::Bodies)
+            && *observer == ObserverChoice::default()
+            && self.disturbance.supply_nm == f64::INFINITY
     }
 
     /// Lists the keys that differ from the default, with their values: `plant.substeps = 4`.

@@ -4,7 +4,7 @@ use sinew_core::control::ControlLaw;
 use sinew_core::state_error::RateTerm;
 use sinew_core::tracker::{DesiredVelocity, GainsName, SettingError};
 use sinew_figure::fixture::moving;
-use sinew_figure::plant::{PlantKind, Pose};
+use sinew_figure::plant::{PlantKind, PlantSettings, Pose};
 use sinew_figure::{Dimensions, FigureMotion, Root};
 
 use super::*;
@@ -62,6 +62,48 @@ fn a_reference_frame_may_be_any_body() {
     assert!(seen_from("pelvis") == trace(with_method(MethodName::Egocentric)));
     assert!(seen_from("head") == trace(with_method(MethodName::World)), "it has no descendants");
     assert!(seen_from("thorax") != seen_from("pelvis"));
+}
+
+/// The trackers and the plants of runs that are tracked together take their steps in the lanes of vector instructions.
+#[test]
+fn runs_have_the_same_bits_together_and_alone() {
+    let motions: Vec<FigureMotion> =
+        (40..51).map(|frames| moving(&format!("{frames} frames"), frames)).collect();
+    let plain = Setup {
+        plant: PlantSettings { kind: PlantKind::Articulated, ..PlantSettings::default() },
+        ..Setup::default()
+    };
+    let altered = |alter: &dyn Fn(&mut Setup)| {
+        let mut setup = plain.clone();
+        alter(&mut setup);
+        setup
+    };
+    let setups = [
+        plain.clone(),
+        altered(&|setup| setup.disturbance.torque_limit_nm = 60.0),
+        altered(&|setup| setup.disturbance.sensor_noise_rad = 1e-3),
+        altered(&|setup| setup.disturbance.masses = 0.15),
+        altered(&|setup| setup.controller.rate_term = RateTerm::AsPrinted),
+        // Settings that have no tracker in lanes.
+        altered(&|setup| setup.controller.beta = 0.7),
+        altered(&|setup| setup.controller.desired_velocity = DesiredVelocity::Joints),
+        altered(&|setup| setup.disturbance.supply_nm = 300.0),
+        altered(&|setup| setup.root = Root::Fixed),
+    ];
+    for setup in setups {
+        let protocol = Protocol { setup, seconds: Some(0.3), ..Protocol::default() };
+        let together = evaluate(&motions, &protocol, |_| ()).unwrap();
+        for figure in &together.figures {
+            for result in &figure.methods {
+                for (stream, (motion, errors)) in (0..).zip(motions.iter().zip(&result.clips)) {
+                    let setup = protocol.setup_of(figure.scale, result.method);
+                    let alone = Run::new(motion, &setup, protocol.seconds, stream);
+                    let (alone, _) = alone.and_then(Run::measure).unwrap();
+                    assert_eq!(alone, *errors, "{} {:?}", motion.name, setup.differences());
+                }
+            }
+        }
+    }
 }
 
 #[test]

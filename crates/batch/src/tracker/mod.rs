@@ -1,0 +1,363 @@
+//! Trackers of several figures, which take their ticks together: see `sinew_core::tracker::Tracker`.
+
+mod commands;
+mod desired;
+mod measured;
+#[cfg(test)]
+mod tests;
+
+use std::array::from_fn;
+
+use glam::{Mat3, Vec3};
+use sinew_core::control::{self, ControlLaw, Limited, TorqueLimit};
+use sinew_core::state_error::{Aim, Compensation, Method};
+use sinew_core::{Body, JointKind, TorqueController, Transform, Wrench};
+
+use crate::joint::Motion;
+use crate::lanes::{Matrices, Numbers, OwnInertias, Poses, Twists, Vectors};
+use crate::sweep::Moving;
+use crate::widest::{Work, widest};
+use commands::{from_compensated_error, from_local_error, from_world_error};
+use desired::Desired;
+use measured::{Measured, move_bodies, turn_bodies};
+
+/// Number of trackers that take their ticks together.
+pub const TRACKER_LANES: usize = 8;
+
+const L: usize = TRACKER_LANES;
+
+/// Shortest time step of differences that the core accepts, s.
+const SHORTEST_STEP_S: f32 = 1e-9;
+
+/// Trackers of several rigs of ball joints: frames and readings in, limited torques out, with the bits of a
+/// [`Tracker`](sinew_core::tracker::Tracker) for each rig.
+///
+/// The settings are those of the paper: targets by forward differences of the bodies, measured velocities by backward
+/// differences, errors by the methods Local, World or Linear Compensation, inverse dynamics, no projection, observer,
+/// rest zone or supply.
+#[derive(Debug)]
+pub struct Trackers {
+    links: Vec<Link>,
+    errors: Errors,
+    rate_hz: f32,
+    frame: Vec<Poses<L>>,
+    reading: Vec<Poses<L>>,
+    /// States of the world and of the bodies.
+    desired: Vec<Desired>,
+    measured: Vec<Measured>,
+    /// Commanded accelerations of the joints.
+    commands: Vec<Twists<L>>,
+    joints: Vec<Motion<L>>,
+    /// Motions of the world and of the bodies.
+    moving: Vec<Moving<L>>,
+    torques: [Vec<Limited<Wrench>>; L],
+}
+
+/// A body with its joint in each rig.
+#[derive(Debug)]
+struct Link {
+    /// Place of the parent among the world, place 0, and the bodies.
+    parent: usize,
+    /// Whether the joint is free; other joints are ball joints.
+    is_free: bool,
+    inertias: OwnInertias<L>,
+    gains: Gains,
+    limits: [TorqueLimit; L],
+}
+
+/// Gains of a joint in each rig.
+#[derive(Debug)]
+struct Gains {
+    kp: Numbers<L>,
+    kd: Numbers<L>,
+    linear_kp: Numbers<L>,
+    linear_kd: Numbers<L>,
+}
+
+impl Gains {
+    fn new(gains: [control::Gains; L]) -> Self {
+        Self {
+            kp: gains.map(control::Gains::kp),
+            kd: gains.map(control::Gains::kd),
+            linear_kp: gains.map(control::Gains::linear_kp),
+            linear_kd: gains.map(control::Gains::linear_kd),
+        }
+    }
+
+    /// Returns the angular acceleration that corrects an error.
+    #[inline(always)]
+    fn turn(&self, lane: usize, error_rad: Vec3, rate_rad_s: Vec3) -> Vec3 {
+        error_rad * self.kp[lane] + rate_rad_s * self.kd[lane]
+    }
+
+    /// Returns the linear acceleration that corrects an error.
+    #[inline(always)]
+    fn slide(&self, lane: usize, error_m: Vec3, rate_m_s: Vec3) -> Vec3 {
+        error_m * self.linear_kp[lane] + rate_m_s * self.linear_kd[lane]
+    }
+}
+
+/// Method of the state errors, the same for all rigs.
+#[derive(Debug, Clone, PartialEq)]
+enum Errors {
+    Local,
+    World,
+    /// Linear Compensation with full compensation (β = 1), and the child at whose goal each body aims.
+    LinearCompensation {
+        aims: Vec<Option<usize>>,
+        settings: Compensation,
+    },
+}
+
+impl Errors {
+    /// Returns the method if it can be computed in lanes.
+    fn new<const N: usize>(method: &Method<N>) -> Option<Self> {
+        Some(match method {
+            Method::Local => Self::Local,
+            Method::World => Self::World,
+            #[expect(clippy::float_cmp, reason = "a setting is compared")]
+            Method::LinearCompensation { aims, settings } if settings.beta == 1.0 => {
+                let child = |aim: &Aim| match *aim {
+                    Aim::None => Some(None),
+                    Aim::Child(child) => Some(Some(child)),
+                    Aim::Children(_) | Aim::Point(_) => None,
+                };
+                let aims = aims.as_slice().iter().map(child).collect::<Option<_>>()?;
+                Self::LinearCompensation { aims, settings: *settings }
+            }
+            _ => return None,
+        })
+    }
+}
+
+impl Trackers {
+    /// Joins the trackers of several rigs with these controllers, which run once every `dt_s` seconds. Returns `None`
+    /// if a rig has other joints than ball joints and a free root, or rotors, if a controller has another law or
+    /// method, or if the trees, the methods or gravity differ. O(bodies).
+    pub fn join<const N: usize>(
+        controllers: [&TorqueController<N>; TRACKER_LANES],
+        dt_s: f32,
+    ) -> Option<Self> {
+        let first = controllers[0];
+        let (bodies, errors) = (first.tree().bodies(), Errors::new(first.method())?);
+        let is_alike = |controller: &&TorqueController<N>| {
+            let own = controller.tree().bodies();
+            own.len() == bodies.len()
+                && own.iter().zip(bodies).all(|(own, of_first)| {
+                    (own.parent, own.joint) == (of_first.parent, of_first.joint)
+                        && own.rotor_inertia == 0.0
+                })
+                && Errors::new(controller.method()).as_ref() == Some(&errors)
+                && controller.law() == ControlLaw::InverseDynamics
+                && controller.gravity_m_s2() == first.gravity_m_s2()
+        };
+        let has_ball = |(index, body): (usize, &Body)| match body.joint {
+            JointKind::Free => index == 0,
+            JointKind::Spherical => true,
+            _ => false,
+        };
+        let is_steady = dt_s.is_finite() && dt_s >= SHORTEST_STEP_S;
+        if !(is_steady
+            && controllers.iter().all(is_alike)
+            && bodies.iter().enumerate().all(has_ball))
+        {
+            return None;
+        }
+        let link = |(index, body): (usize, &Body)| Link {
+            parent: body.parent.map_or(0, |parent| parent + 1),
+            is_free: body.joint == JointKind::Free,
+            inertias: OwnInertias::new(
+                controllers.map(|controller| &controller.tree().bodies()[index].inertia),
+            ),
+            gains: Gains::new(controllers.map(|controller| controller.gains()[index])),
+            limits: controllers.map(|controller| controller.limits()[index]),
+        };
+        let count = bodies.len();
+        let still = Motion {
+            rotation: Matrices::ZERO,
+            arm: Vectors::ZERO,
+            velocity: [Vectors::ZERO; 2],
+            acceleration: [Vectors::ZERO; 2],
+        };
+        Some(Self {
+            links: bodies.iter().enumerate().map(link).collect(),
+            errors,
+            rate_hz: 1.0 / dt_s,
+            frame: vec![Poses::IDENTITY; count],
+            reading: vec![Poses::IDENTITY; count],
+            desired: vec![Desired::REST; count + 1],
+            measured: vec![Measured::REST; count + 1],
+            commands: vec![Twists::ZERO; count],
+            joints: vec![still; count],
+            moving: vec![Moving::falling(first.gravity_m_s2()); count + 1],
+            torques: from_fn(|_| vec![Limited { value: Wrench::ZERO, reason: None }; count]),
+        })
+    }
+
+    /// Starts before the first tick: `frames` are those of the tick and of the next tick, `readings` those of a tick
+    /// earlier. All are valid. The rigs count as at rest. O(n).
+    ///
+    /// # Panics
+    /// If a frame or a reading has fewer poses than the rigs have bodies.
+    pub fn begin(&mut self, frames: [[&[Transform]; L]; 2], readings: [&[Transform]; L]) {
+        let [first, second] = frames;
+        for index in 0..self.links.len() {
+            desired::restart(&self.links, &mut self.desired, of_body(first, index), index);
+        }
+        for index in 0..self.links.len() {
+            let frame = of_body(second, index);
+            desired::lead(&self.links, &mut self.desired, frame, index, self.rate_hz);
+            self.measured[index + 1].begin(of_body(readings, index));
+        }
+    }
+
+    /// Computes the torques of a tick. `frames` are those of the tick after the next, `readings` those of the tick.
+    /// Returns for each rig whether frame and reading are valid. If they are not, the rig has no torques, and this
+    /// and later results for it have no meaning. O(n).
+    ///
+    /// # Panics
+    /// If a frame or a reading has fewer poses than the rigs have bodies.
+    pub fn step(
+        &mut self,
+        frames: [&[Transform]; TRACKER_LANES],
+        readings: [&[Transform]; TRACKER_LANES],
+    ) -> [bool; TRACKER_LANES] {
+        self.take(frames, readings);
+        widest(Step(self))
+    }
+
+    /// Computes the torques of a tick with these instructions.
+    #[cfg(test)]
+    fn step_with(
+        &mut self,
+        instructions: crate::widest::Instructions,
+        frames: [&[Transform]; L],
+        readings: [&[Transform]; L],
+    ) -> [bool; L] {
+        self.take(frames, readings);
+        instructions.run(Step(self))
+    }
+
+    fn take(&mut self, frames: [&[Transform]; L], readings: [&[Transform]; L]) {
+        for index in 0..self.links.len() {
+            (self.frame[index], self.reading[index]) =
+                (of_body(frames, index), of_body(readings, index));
+        }
+    }
+
+    /// Returns the wrench of each joint's drive of a rig in the last tick, see [`TorqueController::tick`].
+    pub fn torques(&self, lane: usize) -> &[Limited<Wrench>] {
+        &self.torques[lane]
+    }
+}
+
+/// Returns the poses of a body in all lanes.
+fn of_body(poses: [&[Transform]; L], index: usize) -> Poses<L> {
+    let mut of_body = Poses::IDENTITY;
+    for (lane, poses) in poses.into_iter().enumerate() {
+        of_body.set(lane, poses[index]);
+    }
+    of_body
+}
+
+struct Step<'a>(&'a mut Trackers);
+
+impl Work for Step<'_> {
+    type Output = [bool; L];
+
+    #[inline(always)]
+    fn run(self) -> [bool; L] {
+        let Trackers {
+            links,
+            errors,
+            rate_hz,
+            frame,
+            reading,
+            desired,
+            measured,
+            commands,
+            joints,
+            moving,
+            torques,
+        } = self.0;
+        let are_valid = are_valid(frame, reading);
+        desired::advance(links, desired, frame, *rate_hz);
+        for (measured, reading) in measured[1..].iter_mut().zip(&*reading) {
+            measured.move_on(reading, *rate_hz);
+        }
+        match errors {
+            Errors::Local => {
+                for (index, (link, out)) in links.iter().zip(commands.iter_mut()).enumerate() {
+                    from_local_error(link, &desired[index + 1], &measured[index + 1], out);
+                }
+            }
+            Errors::World => {
+                turn_bodies(links, measured);
+                for (index, (link, out)) in links.iter().zip(commands.iter_mut()).enumerate() {
+                    from_world_error(link, &desired[index + 1], &measured[index + 1], out);
+                }
+            }
+            Errors::LinearCompensation { aims, settings } => {
+                move_bodies(links, measured);
+                for (index, (link, out)) in links.iter().zip(commands.iter_mut()).enumerate() {
+                    let (wanted, is) = (&desired[index + 1], &measured[index + 1]);
+                    match aims[index] {
+                        None => from_world_error(link, wanted, is, out),
+                        Some(child) => {
+                            let aim = (&desired[child + 1], *settings);
+                            from_compensated_error(link, wanted, is, aim, out);
+                        }
+                    }
+                }
+            }
+        }
+        for (index, (link, joint)) in links.iter().zip(joints.iter_mut()).enumerate() {
+            set_motion(joint, &measured[index + 1], &commands[index]);
+            let (above, below) = moving.split_at_mut(index + 1);
+            below[0].follow(&above[link.parent], joint, link.is_free, &link.inertias);
+        }
+        for (index, (link, joint)) in links.iter().zip(joints.iter()).enumerate().rev() {
+            let (above, below) = moving.split_at_mut(index + 1);
+            if link.parent > 0 {
+                above[link.parent].carry(&below[0], joint);
+            }
+            for (lane, torques) in torques.iter_mut().enumerate() {
+                let force_n = if link.is_free { below[0].force.at(lane) } else { Vec3::ZERO };
+                let wanted = Wrench::new(below[0].moment.at(lane), force_n);
+                torques[index] = link.limits[lane].apply(wanted);
+            }
+        }
+        are_valid
+    }
+}
+
+/// Sets the motion of a joint from its measured state and its commanded acceleration.
+#[inline(always)]
+fn set_motion(joint: &mut Motion<L>, measured: &Measured, command: &Twists<L>) {
+    for lane in 0..L {
+        let pose = measured.joint.pose.at(lane);
+        joint.rotation.set(lane, Mat3::from_quat(pose.rotation));
+        joint.arm.set(lane, pose.translation_m);
+    }
+    joint.velocity = [measured.joint.velocity.angular, measured.joint.velocity.linear];
+    joint.acceleration = [command.angular, command.linear];
+}
+
+/// Maximum squared distance of a valid position from the parent, m², and of a quaternion's squared length from 1.
+const FARTHEST_M2: f32 = 1e6 * 1e6;
+const FARTHEST_FROM_UNIT: f32 = 2e-3;
+
+/// Returns for each lane whether the core accepts the poses.
+#[inline(always)]
+fn are_valid(frame: &[Poses<L>], reading: &[Poses<L>]) -> [bool; L] {
+    let mut are_valid = [true; L];
+    for poses in frame.iter().chain(reading) {
+        for (lane, is_valid) in are_valid.iter_mut().enumerate() {
+            let Transform { rotation, translation_m } = poses.at(lane);
+            // The comparisons also exclude NaN.
+            *is_valid &= (translation_m.dot(translation_m) <= FARTHEST_M2)
+                & ((rotation.dot(rotation) - 1.0).abs() <= FARTHEST_FROM_UNIT);
+        }
+    }
+    are_valid
+}
