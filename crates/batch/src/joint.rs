@@ -4,7 +4,7 @@ use glam::{Mat3, Quat, Vec3};
 use sinew_core::{Body, JointKind, Twist, math};
 
 use crate::LANES;
-use crate::lanes::{Matrices, Vectors};
+use crate::lanes::{Matrices, Twists, Vectors};
 use crate::turn::{cosine_of_root, near_unit, sine_over_angle};
 
 /// A number for each instant.
@@ -17,10 +17,9 @@ pub(crate) struct Motion<const L: usize> {
     pub(crate) rotation: Matrices<L>,
     /// Position of the joint in its parent's frame.
     pub(crate) arm: Vectors<L>,
-    /// Angular and linear velocity.
-    pub(crate) velocity: [Vectors<L>; 2],
-    /// Angular and linear acceleration.
-    pub(crate) acceleration: [Vectors<L>; 2],
+    /// Velocity and acceleration, in body axes.
+    pub(crate) velocity: Twists<L>,
+    pub(crate) acceleration: Twists<L>,
 }
 
 /// Coordinates of a joint at all instants: positions, speeds, accelerations.
@@ -42,8 +41,8 @@ impl Motion<LANES> {
         Self {
             rotation,
             arm: Vectors::all(state.pose.translation_m),
-            velocity: [Vectors::ZERO; 2],
-            acceleration: [Vectors::ZERO; 2],
+            velocity: Twists::ZERO,
+            acceleration: Twists::ZERO,
         }
     }
 
@@ -56,8 +55,8 @@ impl Motion<LANES> {
                 self.rotate_about(axis, angles, body.placement.rotation);
                 for lane in 0..LANES {
                     // The core adds to zero, which converts -0 to 0.
-                    self.velocity[0].set(lane, Vec3::ZERO + axis * speeds[lane]);
-                    self.acceleration[0].set(lane, Vec3::ZERO + axis * accelerations[lane]);
+                    self.velocity.angular.set(lane, Vec3::ZERO + axis * speeds[lane]);
+                    self.acceleration.angular.set(lane, Vec3::ZERO + axis * accelerations[lane]);
                 }
             }
             (JointKind::Spherical, [[x, y, z, w], [wx, wy, wz], [ax, ay, az]]) => {
@@ -65,8 +64,8 @@ impl Motion<LANES> {
                 for lane in 0..LANES {
                     let [w, a] = [[wx, wy, wz], [ax, ay, az]]
                         .map(|[x, y, z]| Vec3::ZERO + Vec3::new(x[lane], y[lane], z[lane]));
-                    self.velocity[0].set(lane, w);
-                    self.acceleration[0].set(lane, a);
+                    self.velocity.angular.set(lane, w);
+                    self.acceleration.angular.set(lane, a);
                 }
             }
             _ => self.set_one_by_one(body, coordinates),
@@ -162,8 +161,7 @@ impl Motion<LANES> {
             for (of_all, twist) in
                 [(&mut self.velocity, state.velocity), (&mut self.acceleration, acceleration)]
             {
-                of_all[0].set(lane, twist.angular);
-                of_all[1].set(lane, twist.linear);
+                of_all.set(lane, twist);
             }
         }
     }

@@ -42,14 +42,14 @@ impl<const L: usize> Moving<L> {
         for lane in 0..L {
             let to_body = joint.rotation.at(lane).transpose();
             let arm = joint.arm.at(lane);
-            let w = joint.velocity[0].at(lane);
+            let w = joint.velocity.angular.at(lane);
             let of_parent = parent.angular_velocity.at(lane);
             let alpha = parent.angular_acceleration.at(lane);
             let carried_velocity = to_body * of_parent;
             let around = of_parent.cross(arm);
             let carried_acceleration =
                 parent.linear_acceleration.at(lane) + alpha.cross(arm) + of_parent.cross(around);
-            let turning = joint.acceleration[0].at(lane);
+            let turning = joint.acceleration.angular.at(lane);
             let alpha = to_body * alpha + turning + carried_velocity.cross(w);
             self.angular_velocity.set(lane, carried_velocity + w);
             self.angular_acceleration.set(lane, alpha);
@@ -60,7 +60,7 @@ impl<const L: usize> Moving<L> {
                 let carried_velocity =
                     joint.rotation.at(lane).transpose() * parent.angular_velocity.at(lane);
                 let [v, sliding] =
-                    [&joint.velocity[1], &joint.acceleration[1]].map(|part| part.at(lane));
+                    [&joint.velocity.linear, &joint.acceleration.linear].map(|part| part.at(lane));
                 let more = carried_velocity.cross(v + v) + sliding;
                 self.linear_acceleration.set(lane, self.linear_acceleration.at(lane) + more);
             }
@@ -98,12 +98,12 @@ impl<const L: usize> Moving<L> {
     #[inline(always)]
     pub(crate) fn add_rotor(&mut self, joint: &Motion<L>, slides: bool, rotor_inertia: f32) {
         for lane in 0..L {
-            let turning = joint.acceleration[0].at(lane) * rotor_inertia;
+            let turning = joint.acceleration.angular.at(lane) * rotor_inertia;
             self.moment.set(lane, self.moment.at(lane) + turning);
         }
         if slides {
             for lane in 0..L {
-                let sliding = joint.acceleration[1].at(lane) * rotor_inertia;
+                let sliding = joint.acceleration.linear.at(lane) * rotor_inertia;
                 self.force.set(lane, self.force.at(lane) + sliding);
             }
         }

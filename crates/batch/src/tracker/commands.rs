@@ -6,10 +6,19 @@ use sinew_core::state_error::{Compensation, RateTerm, compensate};
 
 use super::Link;
 use super::TRACKER_LANES as L;
-use super::desired::Desired;
-use super::measured::Measured;
-use crate::lanes::{Rotations, Twists, Vectors};
+use super::desired::Goal;
+use crate::lanes::{Poses, Rotations, States, Twists, Vectors};
 use crate::turn::logs;
+
+/// Measured state of a body.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Is<'a> {
+    /// Pose of the joint, and its velocity in body axes.
+    pub(super) joint: &'a Poses<L>,
+    pub(super) joint_velocity: &'a Twists<L>,
+    /// State of the body in the world, which local errors do not need.
+    pub(super) body: &'a States<L>,
+}
 
 /// Errors of all rotations of a body, in the axes of a method's reference frame, and their rates.
 struct TurnErrors {
@@ -19,50 +28,43 @@ struct TurnErrors {
 
 /// Commands the acceleration of a joint from its error relative to its parent.
 #[inline(always)]
-pub(super) fn from_local_error(
-    link: &Link,
-    desired: &Desired,
-    measured: &Measured,
-    out: &mut Twists<L>,
-) {
-    let (desired_joint, is) = (&desired.joint, &measured.joint);
+pub(super) fn from_local_error(link: &Link, goal: Goal<'_>, is: Is<'_>, out: &mut Twists<L>) {
     let mut turns = Rotations::<L>::IDENTITY;
-    for lane in 0..L {
-        let rotations = (is.pose.rotation.at(lane), desired_joint.pose.rotation.at(lane));
-        turns.set(lane, math::turn_in_world(rotations.0, rotations.1));
-    }
     let mut errors = TurnErrors { angular_rad: Vectors::ZERO, rate_rad_s: Vectors::ZERO };
-    errors.angular_rad = logs(&turns);
     for lane in 0..L {
-        let (desired, is) = (desired_joint.at(lane), is.at(lane));
-        let wanted = math::rotate(desired.pose.rotation, desired.velocity.angular);
-        let has = math::rotate(is.pose.rotation, is.velocity.angular);
+        let (desired, measured) = (goal.joint.rotation.at(lane), is.joint.rotation.at(lane));
+        turns.set(lane, math::turn_in_world(measured, desired));
+        let wanted = math::rotate(desired, goal.joint_velocity.angular.at(lane));
+        let has = math::rotate(measured, is.joint_velocity.angular.at(lane));
         errors.rate_rad_s.set(lane, wanted - has);
     }
-    set_turning(link, &errors, &is.pose.rotation, &desired.acceleration, &mut out.angular);
+    errors.angular_rad = logs(&turns);
+    set_turning(link, &errors, &is.joint.rotation, goal, &mut out.angular);
     if link.is_free {
         for lane in 0..L {
-            let (desired, is) = (desired_joint.at(lane), is.at(lane));
-            let wanted = math::rotate(desired.pose.rotation, desired.velocity.linear);
-            let has = math::rotate(is.pose.rotation, is.velocity.linear);
-            let rate = wanted - has;
-            let error = desired.pose.translation_m - is.pose.translation_m;
-            out.linear.set(lane, link.gains.slide(lane, error, rate));
+            let (desired, measured) = (goal.joint.at(lane), is.joint.at(lane));
+            let wanted = math::rotate(desired.rotation, goal.joint_velocity.linear.at(lane));
+            let has = math::rotate(measured.rotation, is.joint_velocity.linear.at(lane));
+            let error = desired.translation_m - measured.translation_m;
+            out.linear.set(lane, link.gains.slide(lane, error, wanted - has));
         }
-        turn_sliding(desired, measured, &is.pose.rotation, &mut out.linear);
+        turn_sliding(goal, is, &is.joint.rotation, &mut out.linear);
     }
 }
 
 /// Commands the acceleration of a joint from the error of its body in the world.
 #[inline(always)]
-pub(super) fn from_world_error(
-    link: &Link,
-    desired: &Desired,
-    measured: &Measured,
-    out: &mut Twists<L>,
-) {
-    let errors = turn_errors(desired, measured);
-    from_errors(link, desired, measured, &errors, out);
+pub(super) fn from_world_error(link: &Link, goal: Goal<'_>, is: Is<'_>, out: &mut Twists<L>) {
+    let mut turns = Rotations::<L>::IDENTITY;
+    let mut errors = TurnErrors { angular_rad: Vectors::ZERO, rate_rad_s: Vectors::ZERO };
+    for lane in 0..L {
+        let (desired, measured) = (goal.pose.rotation.at(lane), is.body.pose.rotation.at(lane));
+        turns.set(lane, math::turn_in_world(measured, desired));
+        let rate = goal.velocity.angular.at(lane) - is.body.velocity.angular.at(lane);
+        errors.rate_rad_s.set(lane, rate);
+    }
+    errors.angular_rad = logs(&turns);
+    from_turn_errors(link, goal, is, &errors, out);
 }
 
 /// Commands the acceleration of a joint from the Linear Compensation Error of its body, which aims at the goal of a
@@ -70,33 +72,33 @@ pub(super) fn from_world_error(
 #[inline(always)]
 pub(super) fn from_compensated_error(
     link: &Link,
-    desired: &Desired,
-    measured: &Measured,
-    (child, settings): (&Desired, Compensation),
+    goal: Goal<'_>,
+    is: Is<'_>,
+    (child, settings): (Goal<'_>, Compensation),
     out: &mut Twists<L>,
 ) {
-    let errors = compensated_errors(desired, measured, child, settings);
-    from_errors(link, desired, measured, &errors, out);
+    let errors = compensated_errors(goal, is, child, settings);
+    from_turn_errors(link, goal, is, &errors, out);
 }
 
 #[inline(always)]
-fn from_errors(
+fn from_turn_errors(
     link: &Link,
-    desired: &Desired,
-    measured: &Measured,
+    goal: Goal<'_>,
+    is: Is<'_>,
     errors: &TurnErrors,
     out: &mut Twists<L>,
 ) {
-    let rotations = &measured.world.pose.rotation;
-    set_turning(link, errors, rotations, &desired.acceleration, &mut out.angular);
+    let rotations = &is.body.pose.rotation;
+    set_turning(link, errors, rotations, goal, &mut out.angular);
     if link.is_free {
         for lane in 0..L {
-            let (wanted, is) = (desired.world.at(lane), measured.world.at(lane));
-            let error = wanted.pose.translation_m - is.pose.translation_m;
-            let rate = wanted.velocity.linear - is.velocity.linear;
+            let measured = is.body.at(lane);
+            let error = goal.pose.at(lane).translation_m - measured.pose.translation_m;
+            let rate = goal.velocity.linear.at(lane) - measured.velocity.linear;
             out.linear.set(lane, link.gains.slide(lane, error, rate));
         }
-        turn_sliding(desired, measured, rotations, &mut out.linear);
+        turn_sliding(goal, is, rotations, &mut out.linear);
     }
 }
 
@@ -106,50 +108,33 @@ fn set_turning(
     link: &Link,
     errors: &TurnErrors,
     rotations: &Rotations<L>,
-    of_targets: &Twists<L>,
+    goal: Goal<'_>,
     out: &mut Vectors<L>,
 ) {
     for lane in 0..L {
         let (error, rate) = (errors.angular_rad.at(lane), errors.rate_rad_s.at(lane));
         let correction = link.gains.turn(lane, error, rate);
         let correction = math::rotate(rotations.at(lane).conjugate(), correction);
-        out.set(lane, correction + of_targets.angular.at(lane));
+        out.set(lane, correction + goal.joint_acceleration.angular.at(lane));
     }
 }
 
-/// Turns linear accelerations to body axes, and adds those of the targets.
+/// Turns linear accelerations to body axes, and adds those of the goal.
 #[inline(always)]
 fn turn_sliding(
-    desired: &Desired,
-    measured: &Measured,
+    goal: Goal<'_>,
+    is: Is<'_>,
     rotations: &Rotations<L>,
     accelerations: &mut Vectors<L>,
 ) {
     for lane in 0..L {
         let correction = math::rotate(rotations.at(lane).conjugate(), accelerations.at(lane));
         // Desired body axes, the parent's axes, measured body axes.
-        let of_target = desired.acceleration.linear.at(lane);
-        let in_parent = math::rotate(desired.joint.pose.rotation.at(lane), of_target);
-        let to_body = measured.joint.pose.rotation.at(lane).conjugate();
+        let of_goal = goal.joint_acceleration.linear.at(lane);
+        let in_parent = math::rotate(goal.joint.rotation.at(lane), of_goal);
+        let to_body = is.joint.rotation.at(lane).conjugate();
         accelerations.set(lane, correction + math::rotate(to_body, in_parent));
     }
-}
-
-/// Returns the errors of rotations in the world: see `StateError::between`.
-#[inline(always)]
-fn turn_errors(desired: &Desired, measured: &Measured) -> TurnErrors {
-    let mut turns = Rotations::<L>::IDENTITY;
-    let mut errors = TurnErrors { angular_rad: Vectors::ZERO, rate_rad_s: Vectors::ZERO };
-    for lane in 0..L {
-        let (is, wanted) =
-            (measured.world.pose.rotation.at(lane), desired.world.pose.rotation.at(lane));
-        turns.set(lane, math::turn_in_world(is, wanted));
-        let rate =
-            desired.world.velocity.angular.at(lane) - measured.world.velocity.angular.at(lane);
-        errors.rate_rad_s.set(lane, rate);
-    }
-    errors.angular_rad = logs(&turns);
-    errors
 }
 
 /// Minimum length of an aim, and minimum sine between two directions: see `sinew_core::state_error::compensate`.
@@ -159,17 +144,17 @@ const SMALLEST_SINE: f32 = 1e-6;
 /// Returns the Linear Compensation Errors of rotations with full compensation (β = 1).
 #[inline(always)]
 fn compensated_errors(
-    desired: &Desired,
-    measured: &Measured,
-    child: &Desired,
+    goal: Goal<'_>,
+    is: Is<'_>,
+    child: Goal<'_>,
     settings: Compensation,
 ) -> TurnErrors {
     let mut turns = Rotations::<L>::IDENTITY;
     let mut errors = TurnErrors { angular_rad: Vectors::ZERO, rate_rad_s: Vectors::ZERO };
     let mut are_usual = true;
     for lane in 0..L {
-        let (wanted, is) = (desired.world.at(lane), measured.world.at(lane));
-        let arm = child.world.pose.at(lane).translation_m - wanted.pose.translation_m;
+        let (wanted, is) = (goal.body(lane), is.body.at(lane));
+        let arm = child.pose.at(lane).translation_m - wanted.pose.translation_m;
         let linear_m = wanted.pose.translation_m - is.pose.translation_m;
         let arm_squared = arm.dot(arm);
         let way = linear_m + arm;
@@ -208,7 +193,7 @@ fn compensated_errors(
     if are_usual {
         errors.angular_rad = logs(&turns);
     } else {
-        compensate_one_by_one(desired, measured, child, settings, &mut errors);
+        compensate_one_by_one(goal, is, child, settings, &mut errors);
     }
     errors
 }
@@ -216,15 +201,15 @@ fn compensated_errors(
 /// Computes Linear Compensation Errors, one lane after the other.
 #[inline(never)]
 fn compensate_one_by_one(
-    desired: &Desired,
-    measured: &Measured,
-    child: &Desired,
+    goal: Goal<'_>,
+    is: Is<'_>,
+    child: Goal<'_>,
     settings: Compensation,
     errors: &mut TurnErrors,
 ) {
     for lane in 0..L {
-        let (wanted, is) = (desired.world.at(lane), measured.world.at(lane));
-        let arm = child.world.pose.at(lane).translation_m - wanted.pose.translation_m;
+        let (wanted, is) = (goal.body(lane), is.body.at(lane));
+        let arm = child.pose.at(lane).translation_m - wanted.pose.translation_m;
         let (error, _) = compensate(Some(arm), settings, &wanted, &is);
         errors.angular_rad.set(lane, error.angular_rad);
         errors.rate_rad_s.set(lane, error.angular_rate_rad_s);

@@ -14,12 +14,13 @@ use sinew_core::state_error::{Aim, Compensation, Method};
 use sinew_core::{Body, JointKind, TorqueController, Transform, Wrench};
 
 use crate::joint::Motion;
-use crate::lanes::{Matrices, Numbers, OwnInertias, Poses, Twists, Vectors};
+use crate::lanes::{Matrices, Numbers, OwnInertias, Poses, States, Twists, Vectors};
 use crate::sweep::Moving;
+use crate::turn::normalize;
 use crate::widest::{Work, widest};
-use commands::{from_compensated_error, from_local_error, from_world_error};
+use commands::{Is, from_compensated_error, from_local_error, from_world_error};
 use desired::Desired;
-use measured::{Measured, move_bodies, turn_bodies};
+use measured::{move_body, place_root, set_velocity, turn_body};
 
 /// Number of trackers that take their ticks together.
 pub const TRACKER_LANES: usize = 8;
@@ -40,15 +41,14 @@ pub struct Trackers {
     links: Vec<Link>,
     errors: Errors,
     rate_hz: f32,
-    frame: Vec<Poses<L>>,
-    reading: Vec<Poses<L>>,
-    /// States of the world and of the bodies.
-    desired: Vec<Desired>,
-    measured: Vec<Measured>,
-    /// Commanded accelerations of the joints.
-    commands: Vec<Twists<L>>,
+    desired: Desired,
+    /// Poses of the joints in the last readings and in the new readings.
+    readings: [Vec<Poses<L>>; 2],
+    /// Measured velocities and commanded accelerations of the joints.
     joints: Vec<Motion<L>>,
-    /// Motions of the world and of the bodies.
+    /// Measured states of the world and of the bodies.
+    bodies: Vec<States<L>>,
+    /// Motions of the world and of the bodies, which follow from the commands.
     moving: Vec<Moving<L>>,
     torques: [Vec<Limited<Wrench>>; L],
 }
@@ -176,18 +176,17 @@ impl Trackers {
         let still = Motion {
             rotation: Matrices::ZERO,
             arm: Vectors::ZERO,
-            velocity: [Vectors::ZERO; 2],
-            acceleration: [Vectors::ZERO; 2],
+            velocity: Twists::ZERO,
+            acceleration: Twists::ZERO,
         };
+        let rate_hz = 1.0 / dt_s;
         Some(Self {
             links: bodies.iter().enumerate().map(link).collect(),
+            desired: Desired::new(count, rate_hz, errors == Errors::Local),
             errors,
-            rate_hz: 1.0 / dt_s,
-            frame: vec![Poses::IDENTITY; count],
-            reading: vec![Poses::IDENTITY; count],
-            desired: vec![Desired::REST; count + 1],
-            measured: vec![Measured::REST; count + 1],
-            commands: vec![Twists::ZERO; count],
+            rate_hz,
+            readings: [(); 2].map(|()| vec![Poses::IDENTITY; count]),
+            bodies: vec![States::REST; count + 1],
             joints: vec![still; count],
             moving: vec![Moving::falling(first.gravity_m_s2()); count + 1],
             torques: from_fn(|_| vec![Limited { value: Wrench::ZERO, reason: None }; count]),
@@ -200,14 +199,12 @@ impl Trackers {
     /// # Panics
     /// If a frame or a reading has fewer poses than the rigs have bodies.
     pub fn begin(&mut self, frames: [[&[Transform]; L]; 2], readings: [&[Transform]; L]) {
-        let [first, second] = frames;
-        for index in 0..self.links.len() {
-            desired::restart(&self.links, &mut self.desired, of_body(first, index), index);
-        }
-        for index in 0..self.links.len() {
-            let frame = of_body(second, index);
-            desired::lead(&self.links, &mut self.desired, frame, index, self.rate_hz);
-            self.measured[index + 1].begin(of_body(readings, index));
+        let bodies = 0..self.links.len();
+        let of_frame = |poses| bodies.clone().map(move |index| of_body(poses, index));
+        self.desired.begin(&self.links, frames.map(of_frame));
+        for (slot, mut poses) in self.readings[1].iter_mut().zip(of_frame(readings)) {
+            normalize(&mut poses.rotation);
+            *slot = poses;
         }
     }
 
@@ -238,10 +235,14 @@ impl Trackers {
         instructions.run(Step(self))
     }
 
+    /// Stores frames and readings.
     fn take(&mut self, frames: [&[Transform]; L], readings: [&[Transform]; L]) {
-        for index in 0..self.links.len() {
-            (self.frame[index], self.reading[index]) =
-                (of_body(frames, index), of_body(readings, index));
+        for (index, slot) in self.desired.next_frame().iter_mut().enumerate() {
+            *slot = of_body(frames, index);
+        }
+        self.readings.swap(0, 1);
+        for (index, slot) in self.readings[1].iter_mut().enumerate() {
+            *slot = of_body(readings, index);
         }
     }
 
@@ -267,52 +268,42 @@ impl Work for Step<'_> {
 
     #[inline(always)]
     fn run(self) -> [bool; L] {
-        let Trackers {
-            links,
-            errors,
-            rate_hz,
-            frame,
-            reading,
-            desired,
-            measured,
-            commands,
-            joints,
-            moving,
-            torques,
-        } = self.0;
-        let are_valid = are_valid(frame, reading);
-        desired::advance(links, desired, frame, *rate_hz);
-        for (measured, reading) in measured[1..].iter_mut().zip(&*reading) {
-            measured.move_on(reading, *rate_hz);
-        }
-        match errors {
-            Errors::Local => {
-                for (index, (link, out)) in links.iter().zip(commands.iter_mut()).enumerate() {
-                    from_local_error(link, &desired[index + 1], &measured[index + 1], out);
-                }
-            }
-            Errors::World => {
-                turn_bodies(links, measured);
-                for (index, (link, out)) in links.iter().zip(commands.iter_mut()).enumerate() {
-                    from_world_error(link, &desired[index + 1], &measured[index + 1], out);
-                }
-            }
-            Errors::LinearCompensation { aims, settings } => {
-                move_bodies(links, measured);
-                for (index, (link, out)) in links.iter().zip(commands.iter_mut()).enumerate() {
-                    let (wanted, is) = (&desired[index + 1], &measured[index + 1]);
-                    match aims[index] {
-                        None => from_world_error(link, wanted, is, out),
-                        Some(child) => {
-                            let aim = (&desired[child + 1], *settings);
-                            from_compensated_error(link, wanted, is, aim, out);
-                        }
-                    }
-                }
-            }
-        }
+        let Trackers { links, errors, rate_hz, desired, readings, joints, bodies, moving, torques } =
+            self.0;
+        let [before, now] = readings;
+        let are_valid = are_valid(desired.newest_frame(), now);
+        desired.advance(links);
         for (index, (link, joint)) in links.iter().zip(joints.iter_mut()).enumerate() {
-            set_motion(joint, &measured[index + 1], &commands[index]);
+            let pose = &mut now[index];
+            set_velocity(&mut joint.velocity, &before[index], pose, *rate_hz);
+            let (above, below) = bodies.split_at_mut(index + 1);
+            let (parent, body) = (&above[link.parent], &mut below[0]);
+            match errors {
+                Errors::Local => {}
+                Errors::World if link.parent == 0 => place_root(body, pose, &joint.velocity),
+                Errors::World => turn_body(body, parent, pose, &joint.velocity),
+                Errors::LinearCompensation { .. } => {
+                    move_body(body, parent, pose, &joint.velocity);
+                }
+            }
+            let (goal, out) = (desired.goal(index), &mut joint.acceleration);
+            let is = Is { joint: pose, joint_velocity: &joint.velocity, body };
+            match errors {
+                Errors::Local => from_local_error(link, goal, is, out),
+                Errors::World => from_world_error(link, goal, is, out),
+                Errors::LinearCompensation { aims, settings } => match aims[index] {
+                    None => from_world_error(link, goal, is, out),
+                    Some(child) => {
+                        let aim = (desired.goal(child), *settings);
+                        from_compensated_error(link, goal, is, aim, out);
+                    }
+                },
+            }
+            for lane in 0..L {
+                let pose = pose.at(lane);
+                joint.rotation.set(lane, Mat3::from_quat(pose.rotation));
+                joint.arm.set(lane, pose.translation_m);
+            }
             let (above, below) = moving.split_at_mut(index + 1);
             below[0].follow(&above[link.parent], joint, link.is_free, &link.inertias);
         }
@@ -329,18 +320,6 @@ impl Work for Step<'_> {
         }
         are_valid
     }
-}
-
-/// Sets the motion of a joint from its measured state and its commanded acceleration.
-#[inline(always)]
-fn set_motion(joint: &mut Motion<L>, measured: &Measured, command: &Twists<L>) {
-    for lane in 0..L {
-        let pose = measured.joint.pose.at(lane);
-        joint.rotation.set(lane, Mat3::from_quat(pose.rotation));
-        joint.arm.set(lane, pose.translation_m);
-    }
-    joint.velocity = [measured.joint.velocity.angular, measured.joint.velocity.linear];
-    joint.acceleration = [command.angular, command.linear];
 }
 
 /// Maximum squared distance of a valid position from the parent, m², and of a quaternion's squared length from 1.
