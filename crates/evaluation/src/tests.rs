@@ -2,11 +2,12 @@ use serde_json::Value;
 
 use sinew_core::control::ControlLaw;
 use sinew_core::state_error::RateTerm;
-use sinew_core::tracker::{DesiredVelocity, GainsName, SettingError};
+use sinew_core::tracker::{DesiredVelocity, GainsName, SettingError, StepError};
 use sinew_figure::fixture::moving;
 use sinew_figure::plant::{PlantKind, PlantSettings, Pose};
 use sinew_figure::{Dimensions, FigureMotion, Root};
 
+use super::together::{Job, track_all};
 use super::*;
 
 fn motions() -> Vec<FigureMotion> {
@@ -103,6 +104,28 @@ fn runs_have_the_same_bits_together_and_alone() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn a_refused_reading_has_the_same_error_together_and_alone() {
+    // The noise is so large that the core refuses some readings, and the gains so small that the figure is not lost.
+    let mut setup = Setup::default();
+    setup.plant.kind = PlantKind::Articulated;
+    setup.controller.kp = 1e-12;
+    setup.disturbance.sensor_noise_m = 4e5;
+    let motion = moving("clip", 60);
+    let jobs: Vec<Job<'_>> =
+        (0..16).map(|stream| Job { motion: &motion, stream, setup: &setup }).collect();
+    let add = |_: &Job<'_>, errors: &mut Errors, step: Step<'_>| errors.add_step(&step);
+    let together = track_all(&jobs, Some(0.2), add, |_| ());
+    let is_refused = |job: &usize| {
+        matches!(together[*job], Err(RunError::State { frame: 1.., source: StepError::Measured(_) }))
+    };
+    assert!((0..16).filter(is_refused).count() > 4, "{together:?}");
+    for (job, together) in jobs.iter().zip(&together) {
+        let alone = Run::new(&motion, &setup, Some(0.2), job.stream).and_then(Run::measure);
+        assert_eq!(alone.map(|(errors, _)| errors), *together);
     }
 }
 

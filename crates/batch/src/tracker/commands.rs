@@ -4,9 +4,9 @@ use glam::{Quat, Vec3};
 use sinew_core::math;
 use sinew_core::state_error::{Compensation, RateTerm, compensate};
 
-use super::Link;
 use super::TRACKER_LANES as L;
 use super::desired::Goal;
+use super::rigs::Link;
 use crate::lanes::{Poses, Rotations, States, Twists, Vectors};
 use crate::turn::logs;
 

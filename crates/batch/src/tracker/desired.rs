@@ -2,8 +2,8 @@
 
 use sinew_core::{BodyState, Transform, Twist, math};
 
-use super::Link;
 use super::TRACKER_LANES as L;
+use super::rigs::Link;
 use crate::lanes::{Poses, Rotations, Twists};
 use crate::turn::{logs, normalize};
 

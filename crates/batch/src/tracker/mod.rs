@@ -3,24 +3,25 @@
 mod commands;
 mod desired;
 mod measured;
+mod rigs;
 #[cfg(test)]
 mod tests;
 
 use std::array::from_fn;
 
 use glam::{Mat3, Vec3};
-use sinew_core::control::{self, ControlLaw, Limited, TorqueLimit};
-use sinew_core::state_error::{Aim, Compensation, Method};
+use sinew_core::control::{ControlLaw, Limited};
 use sinew_core::{Body, JointKind, TorqueController, Transform, Wrench};
 
 use crate::joint::Motion;
-use crate::lanes::{Matrices, Numbers, OwnInertias, Poses, States, Twists, Vectors};
+use crate::lanes::{Matrices, OwnInertias, Poses, States, Twists, Vectors};
 use crate::sweep::Moving;
 use crate::turn::normalize;
 use crate::widest::{Work, widest};
 use commands::{Is, from_compensated_error, from_local_error, from_world_error};
 use desired::Desired;
 use measured::{move_body, place_root, set_velocity, turn_body};
+use rigs::{Errors, Gains, Link};
 
 /// Number of trackers that take their ticks together.
 pub const TRACKER_LANES: usize = 8;
@@ -51,83 +52,6 @@ pub struct Trackers {
     /// Motions of the world and of the bodies, which follow from the commands.
     moving: Vec<Moving<L>>,
     torques: [Vec<Limited<Wrench>>; L],
-}
-
-/// A body with its joint in each rig.
-#[derive(Debug)]
-struct Link {
-    /// Place of the parent among the world, place 0, and the bodies.
-    parent: usize,
-    /// Whether the joint is free; other joints are ball joints.
-    is_free: bool,
-    inertias: OwnInertias<L>,
-    gains: Gains,
-    limits: [TorqueLimit; L],
-}
-
-/// Gains of a joint in each rig.
-#[derive(Debug)]
-struct Gains {
-    kp: Numbers<L>,
-    kd: Numbers<L>,
-    linear_kp: Numbers<L>,
-    linear_kd: Numbers<L>,
-}
-
-impl Gains {
-    fn new(gains: [control::Gains; L]) -> Self {
-        Self {
-            kp: gains.map(control::Gains::kp),
-            kd: gains.map(control::Gains::kd),
-            linear_kp: gains.map(control::Gains::linear_kp),
-            linear_kd: gains.map(control::Gains::linear_kd),
-        }
-    }
-
-    /// Returns the angular acceleration that corrects an error.
-    #[inline(always)]
-    fn turn(&self, lane: usize, error_rad: Vec3, rate_rad_s: Vec3) -> Vec3 {
-        error_rad * self.kp[lane] + rate_rad_s * self.kd[lane]
-    }
-
-    /// Returns the linear acceleration that corrects an error.
-    #[inline(always)]
-    fn slide(&self, lane: usize, error_m: Vec3, rate_m_s: Vec3) -> Vec3 {
-        error_m * self.linear_kp[lane] + rate_m_s * self.linear_kd[lane]
-    }
-}
-
-/// Method of the state errors, the same for all rigs.
-#[derive(Debug, Clone, PartialEq)]
-enum Errors {
-    Local,
-    World,
-    /// Linear Compensation with full compensation (β = 1), and the child at whose goal each body aims.
-    LinearCompensation {
-        aims: Vec<Option<usize>>,
-        settings: Compensation,
-    },
-}
-
-impl Errors {
-    /// Returns the method if it can be computed in lanes.
-    fn new<const N: usize>(method: &Method<N>) -> Option<Self> {
-        Some(match method {
-            Method::Local => Self::Local,
-            Method::World => Self::World,
-            #[expect(clippy::float_cmp, reason = "a setting is compared")]
-            Method::LinearCompensation { aims, settings } if settings.beta == 1.0 => {
-                let child = |aim: &Aim| match *aim {
-                    Aim::None => Some(None),
-                    Aim::Child(child) => Some(Some(child)),
-                    Aim::Children(_) | Aim::Point(_) => None,
-                };
-                let aims = aims.as_slice().iter().map(child).collect::<Option<_>>()?;
-                Self::LinearCompensation { aims, settings: *settings }
-            }
-            _ => return None,
-        })
-    }
 }
 
 impl Trackers {
