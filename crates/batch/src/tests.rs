@@ -35,7 +35,7 @@ impl Random {
         math::exp(3.0 * self.vector())
     }
 
-    fn axis(&mut self) -> Vec3 {
+    pub(crate) fn axis(&mut self) -> Vec3 {
         let axes = [Vec3::X, Vec3::Y, Vec3::NEG_Z, Vec3::new(0.48, -0.64, 0.6)];
         axes[self.index(axes.len())]
     }

@@ -50,6 +50,39 @@ fn near_log(q: Quat) -> (Vec3, bool) {
     (v * scale, squared <= (EIGHTH_TAN * EIGHTH_TAN) * (q.w * q.w))
 }
 
+/// Computes `math::log` of a rotation of any angle, without a branch.
+#[inline(always)]
+pub(crate) fn any_log(q: Quat) -> Vec3 {
+    let v = Vec3::new(q.x, q.y, q.z);
+    let (up_squared, along) = (v.dot(v), q.w.abs());
+    // Beyond an eighth of a turn: 2 `math::atan2` of |v| and |w|, over |v|.
+    let up = up_squared.sqrt();
+    let (half_up, half_along) = (0.5 * up, 0.5 * along);
+    let is_low = up <= EIGHTH_TAN * along;
+    let is_high = along <= EIGHTH_TAN * up;
+    let above = select(is_low, up, select(is_high, -along, half_up - half_along));
+    let below = select(is_low, along, select(is_high, up, half_up + half_along));
+    let eighth = select(is_low, 0.0, select(is_high, 0.5 * math::PI, 0.25 * math::PI));
+    let ratio = above / below;
+    let angle = eighth + ratio * arctangent_over_tangent(ratio * ratio);
+    let scale = 2.0 * angle / up;
+    let far = select(q.w < 0.0, -scale, scale);
+
+    let reciprocal = 1.0 / q.w;
+    let squared = up_squared * (reciprocal * reciprocal);
+    let near = 2.0 * reciprocal * arctangent_over_tangent(squared);
+    v * select(up_squared <= (EIGHTH_TAN * EIGHTH_TAN) * (q.w * q.w), near, far)
+}
+
+/// Returns the first number if the condition holds, otherwise the second. The compiler would turn a conditional
+/// expression into a branch.
+#[inline(always)]
+pub(crate) fn select(condition: bool, first: f32, second: f32) -> f32 {
+    // All ones or zero.
+    let mask = u32::from(condition).wrapping_neg();
+    f32::from_bits(first.to_bits() & mask | second.to_bits() & !mask)
+}
+
 /// tan(π/8): half of the largest angle for which `math::log` uses a polynomial is an eighth of π.
 const EIGHTH_TAN: f32 = 0.414_213_57;
 

@@ -120,7 +120,10 @@ fn a_refused_reading_has_the_same_error_together_and_alone() {
     let add = |_: &Job<'_>, errors: &mut Errors, step: Step<'_>| errors.add_step(&step);
     let together = track_all(&jobs, Some(0.2), add, |_| ());
     let is_refused = |job: &usize| {
-        matches!(together[*job], Err(RunError::State { frame: 1.., source: StepError::Measured(_) }))
+        matches!(
+            together[*job],
+            Err(RunError::State { frame: 1.., source: StepError::Measured(_) })
+        )
     };
     assert!((0..16).filter(is_refused).count() > 4, "{together:?}");
     for (job, together) in jobs.iter().zip(&together) {

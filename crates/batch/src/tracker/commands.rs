@@ -8,7 +8,7 @@ use super::TRACKER_LANES as L;
 use super::desired::Goal;
 use super::rigs::Link;
 use crate::lanes::{Poses, Rotations, States, Twists, Vectors};
-use crate::turn::logs;
+use crate::turn::{logs, select};
 
 /// Measured state of a body.
 #[derive(Debug, Clone, Copy)]
@@ -172,13 +172,8 @@ fn compensated_errors(
         let share = 1.0 / (2.0 * lengths * w).sqrt();
         let v = axis * share;
         let has_axis = sine_squared >= SMALLEST_SINE * SMALLEST_SINE * lengths_squared;
-        // All ones or zero. The compiler would turn a conditional expression into a branch.
-        let mask = u32::from(has_axis).wrapping_neg();
-        let select = |number: f32, other: f32| {
-            f32::from_bits(number.to_bits() & mask | other.to_bits() & !mask)
-        };
-        let [x, y, z] = v.to_array().map(|number| select(number, 0.0));
-        let turn = Quat::from_xyzw(x, y, z, select(w * share, 1.0));
+        let [x, y, z] = v.to_array().map(|number| select(has_axis, number, 0.0));
+        let turn = Quat::from_xyzw(x, y, z, select(has_axis, w * share, 1.0));
         turns.set(lane, math::turn_in_world(is.pose.rotation, turn * wanted.pose.rotation));
 
         let linear_rate = wanted.velocity.linear - is.velocity.linear;
