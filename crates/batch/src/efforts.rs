@@ -9,14 +9,14 @@ use crate::joint::{Coordinates, Motion, Numbers, in_joint, of_lane, slides};
 use crate::sweep::Moving;
 use crate::widest::{Work, widest};
 
-/// Number of instants that are computed at once: the widest vector registers hold this number of f32.
+/// Number of instants, or of distances, that are computed at once: the widest vector registers hold this number of f32.
 pub const LANES: usize = 16;
 
 /// Largest number that the core accepts.
 const LARGEST: f32 = 1e6;
 
 /// Farthest squared length of a quaternion from 1 that the core accepts.
-const FARTHEST_FROM_UNIT: f32 = 2e-3;
+pub(crate) const FARTHEST_FROM_UNIT: f32 = 2e-3;
 
 /// A calculator of efforts of a tree at [`LANES`] instants at once, with its buffers.
 ///

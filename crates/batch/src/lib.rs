@@ -1,8 +1,8 @@
 //! The core's inverse dynamics of many instants at once, its trackers of several rigs and its distances of many poses,
 //! for fits, checks, evaluations and searches on a PC.
 //!
-//! Each instant, rig or pose gets the operations of the core in the core's order, and nothing fuses multiply and add. The
-//! results are therefore equal to those of the core bit by bit, whatever vector instructions compute them.
+//! Each instant, rig or pose gets the operations of the core in the core's order, and nothing fuses multiply and add.
+//! The results are therefore equal to those of the core bit by bit, whatever vector instructions compute them.
 //!
 //! - [`Batch`] computes efforts; `joint` computes the motions of joints, `sweep` those of bodies and their wrenches.
 //! - [`Trackers`] computes the torques of several rigs that follow performances.

@@ -1,4 +1,4 @@
-//! The passes of the recursive Newton-Euler algorithm at all instants: see `sinew_core::dynamics::inverse_dynamics`.
+//! The passes of the recursive Newton-Euler algorithm in all lanes: see `sinew_core::dynamics::inverse_dynamics`.
 
 use glam::Vec3;
 use sinew_core::{RotationalInertia, math::plus_cross};
@@ -6,7 +6,7 @@ use sinew_core::{RotationalInertia, math::plus_cross};
 use crate::joint::Motion;
 use crate::lanes::{Inertias, Vectors};
 
-/// Motion of a body in its axes, and the wrench about its origin, at all instants.
+/// Motion of a body in its axes, and the wrench about its origin, in all lanes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Moving<const L: usize> {
     angular_velocity: Vectors<L>,

@@ -1,4 +1,4 @@
-//! Elementary functions of rotations without branches, with the operations of `sinew_core::math`.
+//! Elementary functions of rotations with the operations of `sinew_core::math`, whose usual case has no branch.
 
 use glam::{Quat, Vec3};
 use sinew_core::math;
@@ -55,7 +55,7 @@ fn near_log(q: Quat) -> (Vec3, bool) {
 pub(crate) fn any_log(q: Quat) -> Vec3 {
     let v = Vec3::new(q.x, q.y, q.z);
     let (up_squared, along) = (v.dot(v), q.w.abs());
-    // Beyond an eighth of a turn: 2 `math::atan2` of |v| and |w|, over |v|.
+    // Beyond an eighth of a turn, the factor is 2 atan2(|v|, |w|) / |v|, by the operations of `math::atan2`.
     let up = up_squared.sqrt();
     let (half_up, half_along) = (0.5 * up, 0.5 * along);
     let is_low = up <= EIGHTH_TAN * along;
@@ -83,7 +83,7 @@ pub(crate) fn select(condition: bool, first: f32, second: f32) -> f32 {
     f32::from_bits(first.to_bits() & mask | second.to_bits() & !mask)
 }
 
-/// tan(π/8): half of the largest angle for which `math::log` uses a polynomial is an eighth of π.
+/// tan(π/8): up to this tangent of half the angle, `math::log` uses a polynomial.
 const EIGHTH_TAN: f32 = 0.414_213_57;
 
 /// Computes the polynomial of `math::atan2` for `atan(t) / t` as a function of t².

@@ -192,9 +192,9 @@ impl Performer<'_> {
         self.motion.dt_s()
     }
 
-    /// Returns whether the tracker may be one of [`sinew_batch::Trackers`], as far as the settings decide it.
+    /// Returns whether [`sinew_batch::Trackers`] can replace the run's own tracker, as far as settings decide it.
     pub(super) fn has_plain_tracker(&self) -> bool {
-        self.setup.has_plain_tracker()
+        self.setup.plain_tracker().is_some()
     }
 
     /// Returns the controller of the run's own tracker.
@@ -208,7 +208,7 @@ impl Performer<'_> {
     }
 
     /// Returns the poses of the joints in the frame that was read last.
-    pub(super) fn frame(&self) -> &[Transform] {
+    pub(super) fn frame_poses(&self) -> &[Transform] {
         self.frames.joints()
     }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_core::Workspace;
+use sinew_core::control::ControlLaw;
 use sinew_core::tracker::{
     DesiredVelocity, Differences, MethodName, ObserverChoice, Settings, Timing, Tracker,
     TrackerError,
@@ -64,6 +65,14 @@ pub enum BodySource {
     DeLeva,
     /// Hanavan's solids as modified by Kwon, for a measured subject. The paper uses this model.
     HanavanKwon,
+}
+
+/// Kind of a tracker with the paper's differences, without projection, observer and supply.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct PlainTracker {
+    method: MethodName,
+    /// Settings of Linear Compensation.
+    compensation: Option<(u32, u8, u8)>,
 }
 
 impl Setup {
@@ -180,15 +189,24 @@ impl Setup {
         })
     }
 
-    /// Returns whether trackers with these settings may be those of [`sinew_batch::Trackers`]: differences of frames
-    /// and of readings, without projection, observer and supply.
-    pub(super) fn has_plain_tracker(&self) -> bool {
-        let ControllerSettings { method, differences, desired_velocity, observer, .. } =
-            &self.controller;
-        matches!(method, MethodName::Local | MethodName::World | MethodName::LinearCompensation)
-            && (*differences, *desired_velocity) == (Differences::Forward, DesiredVelocity::Bodies)
-            && *observer == ObserverChoice::default()
-            && self.disturbance.supply_nm == f64::INFINITY
+    /// Returns the kind of a tracker that [`sinew_batch::Trackers`] can replace, as far as settings decide it; `None` for
+    /// other trackers. Trackers of one kind can take their ticks together.
+    pub(super) fn plain_tracker(&self) -> Option<PlainTracker> {
+        let controller = &self.controller;
+        let is_plain = matches!(
+            controller.method,
+            MethodName::Local | MethodName::World | MethodName::LinearCompensation
+        ) && controller.differences == Differences::Forward
+            && controller.desired_velocity == DesiredVelocity::Bodies
+            && controller.observer == ObserverChoice::default()
+            && controller.law == ControlLaw::InverseDynamics
+            && self.disturbance.supply_nm == f64::INFINITY;
+        is_plain.then(|| PlainTracker {
+            method: controller.method,
+            compensation: (controller.method == MethodName::LinearCompensation).then(|| {
+                (controller.beta.to_bits(), controller.rate_term as u8, controller.aim as u8)
+            }),
+        })
     }
 
     /// Lists the keys that differ from the default, with their values: `plant.substeps = 4`.

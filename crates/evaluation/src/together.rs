@@ -60,21 +60,26 @@ pub(super) fn track_all<R: Default + Send>(
     results.into_iter().map(|(_, result)| result).collect()
 }
 
-/// Divides jobs into groups that are tracked together: at most as many jobs as the plant has lanes, and as few as give
-/// work to all threads. Jobs of a group have the same method, because their trackers take their ticks together, and
-/// similar lengths, so that few lanes wait.
+/// Divides jobs into groups that are tracked together. A group has at most as many jobs as the plant has lanes, and
+/// fewer if a thread would otherwise have no work. Its jobs have the same substeps and trackers of the same kind, which
+/// is a condition for lanes, and similar lengths, so that few lanes wait for others.
 pub(super) fn make_groups(jobs: &[Job<'_>], seconds: Option<f64>) -> Vec<Vec<usize>> {
-    let method = |job: &usize| jobs[*job].setup.controller.method;
+    let kind = |job: &usize| {
+        let setup = jobs[*job].setup;
+        (setup.plant.substeps, setup.plain_tracker())
+    };
     let mut order: Vec<usize> = (0..jobs.len()).collect();
-    order.sort_by_key(|job| (method(job), Reverse(count_steps(jobs[*job].motion, seconds))));
-    let size = jobs.len().div_ceil(rayon::current_num_threads()).clamp(1, LANES);
-    let of_methods = order.chunk_by(|a, b| method(a) == method(b));
-    of_methods.flat_map(|jobs| jobs.chunks(size)).map(<[usize]>::to_vec).collect()
+    order.sort_by_key(|job| (kind(job), Reverse(count_steps(jobs[*job].motion, seconds))));
+    let most = jobs.len().div_ceil(rayon::current_num_threads()).clamp(1, LANES);
+    // Groups of similar size: a single run has no lanes.
+    let divide = |jobs: &'_ [usize]| jobs.len().div_ceil(jobs.len().div_ceil(most));
+    let of_kinds = order.chunk_by(|a, b| kind(a) == kind(b));
+    of_kinds.flat_map(|jobs| jobs.chunks(divide(jobs))).map(<[usize]>::to_vec).collect()
 }
 
-/// Tracks up to [`LANES`] jobs. If their rigs are figures of ball joints, their plants take their steps together, and
-/// with equal settings of the paper's kind their trackers, too; otherwise the runs are tracked one after the other.
-/// Arguments and results are those of [`track_all`].
+/// Tracks up to [`LANES`] jobs. If their rigs are figures of ball joints, their plants take their steps together;
+/// otherwise the runs are tracked one after the other. If trackers can take their ticks together, too, they do so
+/// ([`Setup::plain_tracker`]). Arguments and results are those of [`track_all`].
 pub(super) fn track_together<'a, R: Default>(
     jobs: &[Job<'a>],
     seconds: Option<f64>,

@@ -10,7 +10,7 @@ use super::controller::narrow;
 use super::error::RunError;
 use super::run::Performer;
 
-/// Number of frames after that of a step which its differences need.
+/// Number of frames after the frame of a step that the differences need.
 const AHEAD: usize = 2;
 
 /// Trackers of several runs: as many as plants that take their steps together.
@@ -40,7 +40,7 @@ impl RunTrackers {
         for (ahead, frames) in frames.iter_mut().enumerate() {
             for performer in &mut *performers {
                 performer.read_frame(ahead);
-                frames.push(performer.frame().to_vec());
+                frames.push(performer.frame_poses().to_vec());
             }
         }
         let frames = frames.each_ref().map(|of_runs: &Vec<Vec<Transform>>| {
@@ -59,7 +59,7 @@ impl RunTrackers {
 
     /// Computes the torques of all runs.
     pub(super) fn step(&mut self, performers: [&Performer<'_>; LANES]) {
-        let frames = performers.map(Performer::frame);
+        let frames = performers.map(Performer::frame_poses);
         let readings = performers.map(|performer| performer.readings()[1]);
         self.are_valid = self.trackers.step(frames, readings);
     }

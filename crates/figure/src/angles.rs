@@ -53,12 +53,13 @@ impl Work for Angles<'_> {
     }
 }
 
-/// A part of the arctangent's domain, up to a limit: there `atan(x)` is the arctangent of `(a x + b) / (c + d x)` plus
-/// the sum of two numbers, the second of which is below the precision of the first.
+/// A part of the arctangent's domain, up to a limit: there `atan(x)` is the arctangent of a fraction plus a constant.
 struct Part {
     limit: f64,
+    /// Numerator and denominator of the fraction: factor of x, and constant.
     above: [f64; 2],
     below: [f64; 2],
+    /// Two numbers whose sum is the constant. The second is below the precision of the first.
     sum: [f64; 2],
 }
 
@@ -67,7 +68,7 @@ const PARTS: [Part; 4] = [
     Part {
         limit: 2.4375,
         above: [1.0, -1.5],
-        below: [1.0, 1.5],
+        below: [1.5, 1.0],
         sum: [0.982_793_723_247_329, 1.390_331_103_123_099_8e-17],
     },
     Part {
@@ -79,14 +80,14 @@ const PARTS: [Part; 4] = [
     Part {
         limit: 0.6875,
         above: [2.0, -1.0],
-        below: [2.0, 1.0],
+        below: [1.0, 2.0],
         sum: [0.463_647_609_000_806_1, 2.269_877_745_296_168_7e-17],
     },
-    Part { limit: 0.4375, above: [1.0, 0.0], below: [1.0, 0.0], sum: [0.0, 0.0] },
+    Part { limit: 0.4375, above: [1.0, 0.0], below: [0.0, 1.0], sum: [0.0, 0.0] },
 ];
 
 /// Computes `libm::atan` of numbers from 0 to infinity: the same operations, with selections in place of branches. The
-/// compiler makes vector instructions only of short loops.
+/// compiler turns only short loops into vector instructions.
 #[inline(always)]
 fn arctangents(numbers: &[f64; LANES]) -> [f64; LANES] {
     // From 2.4375: the arctangent of the reciprocal, subtracted from π/2, which is the sum of these numbers.
@@ -101,7 +102,7 @@ fn arctangents(numbers: &[f64; LANES]) -> [f64; LANES] {
                 f64::from_bits(part.to_bits() & mask | other.to_bits() & !mask)
             };
             above[lane] = select(a * x + b, above[lane]);
-            below[lane] = select(c + d * x, below[lane]);
+            below[lane] = select(c * x + d, below[lane]);
             (high[lane], low[lane]) = (select(sum[0], high[lane]), select(sum[1], low[lane]));
         }
     }

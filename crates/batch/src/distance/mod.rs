@@ -6,6 +6,7 @@ mod tests;
 use glam::{Quat, Vec3};
 use sinew_core::math::{self, PI};
 use sinew_core::pose_space::{BodyPoses, JointRotations, PoseCoordinates};
+use sinew_core::{Body, JointKind, Tree};
 
 use crate::LANES;
 use crate::turn::{any_log, select};
@@ -31,19 +32,22 @@ enum Quantity {
 }
 
 impl PoseSequence {
-    /// Stores poses for distances like [`angle_distance`](sinew_core::pose_space::PoseSpace::angle_distance), for trees
-    /// of ball joints and fixed joints.
+    /// Stores poses of a tree for distances like
+    /// [`angle_distance`](sinew_core::pose_space::PoseSpace::angle_distance). Returns `None` if the tree has other
+    /// joints than ball joints and fixed joints.
     pub fn of_angles<'p, const N: usize>(
-        poses: impl Iterator<Item = &'p PoseCoordinates<N>>,
-    ) -> Self {
+        tree: &Tree<N>,
+        poses: impl ExactSizeIterator<Item = &'p PoseCoordinates<N>>,
+    ) -> Option<Self> {
+        let is_ball = |body: &Body| matches!(body.joint, JointKind::Spherical | JointKind::Fixed);
         let vectors = poses.map(|pose| pose.as_slice().iter().map(|at| at.angular_rad.to_array()));
-        Self::new(Quantity::Angles, vectors)
+        tree.bodies().iter().all(is_ball).then(|| Self::new(Quantity::Angles, vectors))
     }
 
     /// Stores poses for distances like
     /// [`rotation_distance`](sinew_core::pose_space::PoseSpace::rotation_distance).
     pub fn of_rotations<'p, const N: usize>(
-        poses: impl Iterator<Item = &'p JointRotations<N>>,
+        poses: impl ExactSizeIterator<Item = &'p JointRotations<N>>,
     ) -> Self {
         let rotations = poses.map(|pose| pose.as_slice().iter().map(Quat::to_array));
         Self::new(Quantity::Rotations, rotations)
@@ -51,34 +55,31 @@ impl PoseSequence {
 
     /// Stores poses for distances like
     /// [`position_distance`](sinew_core::pose_space::PoseSpace::position_distance).
-    pub fn of_positions<'p, const N: usize>(poses: impl Iterator<Item = &'p BodyPoses<N>>) -> Self {
+    pub fn of_positions<'p, const N: usize>(
+        poses: impl ExactSizeIterator<Item = &'p BodyPoses<N>>,
+    ) -> Self {
         Self::new(Quantity::Positions, poses.map(|pose| pose.positions_m().map(|at| at.to_array())))
     }
 
     fn new<const C: usize, P: ExactSizeIterator<Item = [f32; C]>>(
         quantity: Quantity,
-        poses: impl Iterator<Item = P>,
+        poses: impl ExactSizeIterator<Item = P>,
     ) -> Self {
-        let poses: Vec<Vec<[f32; C]>> = poses.map(Iterator::collect).collect();
-        let (len, bodies) = (poses.len(), poses.first().map_or(0, Vec::len));
+        let (len, mut bodies, mut numbers) = (poses.len(), 0, Vec::new());
         let stride = len + LANES;
-        let mut numbers = vec![0.0; bodies * C * stride];
-        for (index, pose) in poses.iter().enumerate() {
-            for (place, number) in pose.as_flattened().iter().enumerate() {
-                numbers[place * stride + index] = *number;
+        for (index, pose) in poses.enumerate() {
+            if index == 0 {
+                bodies = pose.len();
+                numbers = vec![0.0; bodies * C * stride];
+            }
+            assert!(pose.len() == bodies, "poses of the same tree");
+            for (body, components) in pose.enumerate() {
+                for (k, number) in components.into_iter().enumerate() {
+                    numbers[(body * C + k) * stride + index] = number;
+                }
             }
         }
         Self { quantity, len, bodies, numbers }
-    }
-
-    /// Returns the number of poses.
-    pub fn len(&self) -> usize {
-        self.len
-    }
-
-    /// Returns whether there is no pose.
-    pub fn is_empty(&self) -> bool {
-        self.len == 0
     }
 
     /// Returns the distances of a pose of another sequence to the poses from `first` on, with a weight for each body.
@@ -93,10 +94,7 @@ impl PoseSequence {
         (other, pose): (&Self, usize),
         weights: &[f32],
     ) -> [f32; LANES] {
-        assert!(first < self.len && pose < other.len, "a pose of the sequence");
-        assert!(self.quantity == other.quantity && self.bodies == other.bodies, "alike sequences");
-        assert!(weights.len() == self.bodies, "a weight for each body");
-        widest(Distances { sequence: self, first, other, pose, weights })
+        widest(Distances::new(self, first, (other, pose), weights))
     }
 
     /// Returns component `place` of all poses.
@@ -119,6 +117,20 @@ struct Distances<'a> {
     other: &'a PoseSequence,
     pose: usize,
     weights: &'a [f32],
+}
+
+impl<'a> Distances<'a> {
+    fn new(
+        sequence: &'a PoseSequence,
+        first: usize,
+        (other, pose): (&'a PoseSequence, usize),
+        weights: &'a [f32],
+    ) -> Self {
+        assert!(first < sequence.len && pose < other.len, "poses of the sequences");
+        let are_alike = sequence.quantity == other.quantity && sequence.bodies == other.bodies;
+        assert!(are_alike && weights.len() == sequence.bodies, "alike sequences and their weights");
+        Self { sequence, first, other, pose, weights }
+    }
 }
 
 impl Work for Distances<'_> {

@@ -1,8 +1,10 @@
 use sinew_core::pose_space::{PoseCoordinates, PoseSpace};
 use sinew_core::{Body, Inertia, JointKind, Transform, Tree, math};
 
+use super::{Distances, PoseSequence};
+use crate::LANES;
 use crate::tests::Random;
-use crate::{LANES, PoseSequence};
+use crate::widest::Instructions;
 
 const CAPACITY: usize = 24;
 
@@ -51,7 +53,7 @@ fn distances_have_the_bits_of_the_core() {
             let places: Vec<_> = poses.iter().map(|at| space.body_poses(at)).collect();
             let rotations: Vec<_> = poses.iter().map(|at| space.joint_rotations(at)).collect();
             let sequences = [
-                PoseSequence::of_angles(poses.iter()),
+                PoseSequence::of_angles(&tree, poses.iter()).unwrap(),
                 PoseSequence::of_rotations(rotations.iter()),
                 PoseSequence::of_positions(places.iter()),
             ];
@@ -69,15 +71,18 @@ fn distances_have_the_bits_of_the_core() {
                     ]
                 };
                 for (quantity, (one, many)) in a_sequences.iter().zip(&b_sequences).enumerate() {
-                    let found = many.distances(first, (one, pose), &weights);
-                    for (to, found) in (first..b.len()).zip(found) {
-                        let expected = expected(to)[quantity];
-                        assert_eq!(
-                            expected.to_bits(),
-                            found.to_bits(),
-                            "quantity {quantity}, {pose} to {to}: {expected} {found}"
-                        );
-                        tried += 1;
+                    for instructions in Instructions::available() {
+                        let work = Distances::new(many, first, (one, pose), &weights);
+                        for (to, found) in (first..b.len()).zip(instructions.run(work)) {
+                            let expected = expected(to)[quantity];
+                            let (expected_bits, bits) = (expected.to_bits(), found.to_bits());
+                            let place = format!("quantity {quantity}, {pose} to {to}");
+                            assert_eq!(
+                                expected_bits, bits,
+                                "{place}, {instructions:?}: {expected} {found}"
+                            );
+                            tried += 1;
+                        }
                     }
                 }
             }

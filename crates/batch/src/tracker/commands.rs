@@ -12,7 +12,7 @@ use crate::turn::{logs, select};
 
 /// Measured state of a body.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Is<'a> {
+pub(super) struct Measured<'a> {
     /// Pose of the joint, and its velocity in body axes.
     pub(super) joint: &'a Poses<L>,
     pub(super) joint_velocity: &'a Twists<L>,
@@ -20,7 +20,7 @@ pub(super) struct Is<'a> {
     pub(super) body: &'a States<L>,
 }
 
-/// Errors of all rotations of a body, in the axes of a method's reference frame, and their rates.
+/// Errors of a body's rotation and their rates, in the axes of a method's reference frame.
 struct TurnErrors {
     angular_rad: Vectors<L>,
     rate_rad_s: Vectors<L>,
@@ -28,77 +28,88 @@ struct TurnErrors {
 
 /// Commands the acceleration of a joint from its error relative to its parent.
 #[inline(always)]
-pub(super) fn from_local_error(link: &Link, goal: Goal<'_>, is: Is<'_>, out: &mut Twists<L>) {
+pub(super) fn command_from_local_error(
+    link: &Link,
+    goal: Goal<'_>,
+    measured: Measured<'_>,
+    out: &mut Twists<L>,
+) {
     let mut turns = Rotations::<L>::IDENTITY;
     let mut errors = TurnErrors { angular_rad: Vectors::ZERO, rate_rad_s: Vectors::ZERO };
     for lane in 0..L {
-        let (desired, measured) = (goal.joint.rotation.at(lane), is.joint.rotation.at(lane));
-        turns.set(lane, math::turn_in_world(measured, desired));
-        let wanted = math::rotate(desired, goal.joint_velocity.angular.at(lane));
-        let has = math::rotate(measured, is.joint_velocity.angular.at(lane));
-        errors.rate_rad_s.set(lane, wanted - has);
+        let (to, from) = (goal.joint.rotation.at(lane), measured.joint.rotation.at(lane));
+        turns.set(lane, math::turn_in_world(from, to));
+        let desired = math::rotate(to, goal.joint_velocity.angular.at(lane));
+        let present = math::rotate(from, measured.joint_velocity.angular.at(lane));
+        errors.rate_rad_s.set(lane, desired - present);
     }
     errors.angular_rad = logs(&turns);
-    set_turning(link, &errors, &is.joint.rotation, goal, &mut out.angular);
+    set_turning(link, &errors, &measured.joint.rotation, goal, &mut out.angular);
     if link.is_free {
         for lane in 0..L {
-            let (desired, measured) = (goal.joint.at(lane), is.joint.at(lane));
-            let wanted = math::rotate(desired.rotation, goal.joint_velocity.linear.at(lane));
-            let has = math::rotate(measured.rotation, is.joint_velocity.linear.at(lane));
-            let error = desired.translation_m - measured.translation_m;
-            out.linear.set(lane, link.gains.slide(lane, error, wanted - has));
+            let (to, from) = (goal.joint.at(lane), measured.joint.at(lane));
+            let desired = math::rotate(to.rotation, goal.joint_velocity.linear.at(lane));
+            let present = math::rotate(from.rotation, measured.joint_velocity.linear.at(lane));
+            let error = to.translation_m - from.translation_m;
+            out.linear.set(lane, link.gains.slide(lane, error, desired - present));
         }
-        turn_sliding(goal, is, &is.joint.rotation, &mut out.linear);
+        turn_sliding(goal, measured, &measured.joint.rotation, &mut out.linear);
     }
 }
 
 /// Commands the acceleration of a joint from the error of its body in the world.
 #[inline(always)]
-pub(super) fn from_world_error(link: &Link, goal: Goal<'_>, is: Is<'_>, out: &mut Twists<L>) {
+pub(super) fn command_from_world_error(
+    link: &Link,
+    goal: Goal<'_>,
+    measured: Measured<'_>,
+    out: &mut Twists<L>,
+) {
     let mut turns = Rotations::<L>::IDENTITY;
     let mut errors = TurnErrors { angular_rad: Vectors::ZERO, rate_rad_s: Vectors::ZERO };
     for lane in 0..L {
-        let (desired, measured) = (goal.pose.rotation.at(lane), is.body.pose.rotation.at(lane));
-        turns.set(lane, math::turn_in_world(measured, desired));
-        let rate = goal.velocity.angular.at(lane) - is.body.velocity.angular.at(lane);
+        let (to, from) = (goal.pose.rotation.at(lane), measured.body.pose.rotation.at(lane));
+        turns.set(lane, math::turn_in_world(from, to));
+        let rate = goal.velocity.angular.at(lane) - measured.body.velocity.angular.at(lane);
         errors.rate_rad_s.set(lane, rate);
     }
     errors.angular_rad = logs(&turns);
-    from_turn_errors(link, goal, is, &errors, out);
+    command_from_errors(link, goal, measured, &errors, out);
 }
 
 /// Commands the acceleration of a joint from the Linear Compensation Error of its body, which aims at the goal of a
 /// child.
 #[inline(always)]
-pub(super) fn from_compensated_error(
+pub(super) fn command_from_compensated_error(
     link: &Link,
     goal: Goal<'_>,
-    is: Is<'_>,
+    measured: Measured<'_>,
     (child, settings): (Goal<'_>, Compensation),
     out: &mut Twists<L>,
 ) {
-    let errors = compensated_errors(goal, is, child, settings);
-    from_turn_errors(link, goal, is, &errors, out);
+    let errors = compute_compensated_errors(goal, measured, child, settings);
+    command_from_errors(link, goal, measured, &errors, out);
 }
 
 #[inline(always)]
-fn from_turn_errors(
+/// Commands the acceleration of a joint from errors of its body in the world.
+fn command_from_errors(
     link: &Link,
     goal: Goal<'_>,
-    is: Is<'_>,
+    measured: Measured<'_>,
     errors: &TurnErrors,
     out: &mut Twists<L>,
 ) {
-    let rotations = &is.body.pose.rotation;
+    let rotations = &measured.body.pose.rotation;
     set_turning(link, errors, rotations, goal, &mut out.angular);
     if link.is_free {
         for lane in 0..L {
-            let measured = is.body.at(lane);
-            let error = goal.pose.at(lane).translation_m - measured.pose.translation_m;
-            let rate = goal.velocity.linear.at(lane) - measured.velocity.linear;
+            let (to, from) = (goal.body(lane), measured.body.at(lane));
+            let error = to.pose.translation_m - from.pose.translation_m;
+            let rate = to.velocity.linear - from.velocity.linear;
             out.linear.set(lane, link.gains.slide(lane, error, rate));
         }
-        turn_sliding(goal, is, rotations, &mut out.linear);
+        turn_sliding(goal, measured, rotations, &mut out.linear);
     }
 }
 
@@ -123,7 +134,7 @@ fn set_turning(
 #[inline(always)]
 fn turn_sliding(
     goal: Goal<'_>,
-    is: Is<'_>,
+    measured: Measured<'_>,
     rotations: &Rotations<L>,
     accelerations: &mut Vectors<L>,
 ) {
@@ -132,7 +143,7 @@ fn turn_sliding(
         // Desired body axes, the parent's axes, measured body axes.
         let of_goal = goal.joint_acceleration.linear.at(lane);
         let in_parent = math::rotate(goal.joint.rotation.at(lane), of_goal);
-        let to_body = is.joint.rotation.at(lane).conjugate();
+        let to_body = measured.joint.rotation.at(lane).conjugate();
         accelerations.set(lane, correction + math::rotate(to_body, in_parent));
     }
 }
@@ -143,9 +154,9 @@ const SMALLEST_SINE: f32 = 1e-6;
 
 /// Returns the Linear Compensation Errors of rotations with full compensation (β = 1).
 #[inline(always)]
-fn compensated_errors(
+fn compute_compensated_errors(
     goal: Goal<'_>,
-    is: Is<'_>,
+    measured: Measured<'_>,
     child: Goal<'_>,
     settings: Compensation,
 ) -> TurnErrors {
@@ -153,9 +164,9 @@ fn compensated_errors(
     let mut errors = TurnErrors { angular_rad: Vectors::ZERO, rate_rad_s: Vectors::ZERO };
     let mut are_usual = true;
     for lane in 0..L {
-        let (wanted, is) = (goal.body(lane), is.body.at(lane));
-        let arm = child.pose.at(lane).translation_m - wanted.pose.translation_m;
-        let linear_m = wanted.pose.translation_m - is.pose.translation_m;
+        let (to, from) = (goal.body(lane), measured.body.at(lane));
+        let arm = child.pose.at(lane).translation_m - to.pose.translation_m;
+        let linear_m = to.pose.translation_m - from.pose.translation_m;
         let arm_squared = arm.dot(arm);
         let way = linear_m + arm;
         let way_squared = way.dot(way);
@@ -174,21 +185,21 @@ fn compensated_errors(
         let has_axis = sine_squared >= SMALLEST_SINE * SMALLEST_SINE * lengths_squared;
         let [x, y, z] = v.to_array().map(|number| select(has_axis, number, 0.0));
         let turn = Quat::from_xyzw(x, y, z, select(has_axis, w * share, 1.0));
-        turns.set(lane, math::turn_in_world(is.pose.rotation, turn * wanted.pose.rotation));
+        turns.set(lane, math::turn_in_world(from.pose.rotation, turn * to.pose.rotation));
 
-        let linear_rate = wanted.velocity.linear - is.velocity.linear;
+        let linear_rate = to.velocity.linear - from.velocity.linear;
         let rate = arm.cross(linear_rate) * (1.0 / arm.dot(arm));
         let rate = match settings.rate_term {
             RateTerm::Corrected => rate,
             RateTerm::AsPrinted => -rate,
             RateTerm::None => Vec3::ZERO,
         };
-        errors.rate_rad_s.set(lane, wanted.velocity.angular - is.velocity.angular + rate);
+        errors.rate_rad_s.set(lane, to.velocity.angular - from.velocity.angular + rate);
     }
     if are_usual {
         errors.angular_rad = logs(&turns);
     } else {
-        compensate_one_by_one(goal, is, child, settings, &mut errors);
+        compensate_one_by_one(goal, measured, child, settings, &mut errors);
     }
     errors
 }
@@ -197,15 +208,15 @@ fn compensated_errors(
 #[inline(never)]
 fn compensate_one_by_one(
     goal: Goal<'_>,
-    is: Is<'_>,
+    measured: Measured<'_>,
     child: Goal<'_>,
     settings: Compensation,
     errors: &mut TurnErrors,
 ) {
     for lane in 0..L {
-        let (wanted, is) = (goal.body(lane), is.body.at(lane));
-        let arm = child.pose.at(lane).translation_m - wanted.pose.translation_m;
-        let (error, _) = compensate(Some(arm), settings, &wanted, &is);
+        let (to, from) = (goal.body(lane), measured.body.at(lane));
+        let arm = child.pose.at(lane).translation_m - to.pose.translation_m;
+        let (error, _) = compensate(Some(arm), settings, &to, &from);
         errors.angular_rad.set(lane, error.angular_rad);
         errors.rate_rad_s.set(lane, error.angular_rate_rad_s);
     }

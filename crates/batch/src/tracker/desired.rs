@@ -22,11 +22,12 @@ pub(super) struct Desired {
     joints: Vec<Joint>,
 }
 
-/// Targets of a joint in the oldest frame.
+/// A joint's step and its targets.
 #[derive(Debug, Clone, Copy)]
 struct Joint {
-    /// Mean velocity from this frame to the next.
+    /// Mean velocity from the second newest frame to the newest.
     step: Twists<L>,
+    /// Velocity and acceleration in the oldest frame, in body axes.
     velocity: Twists<L>,
     acceleration: Twists<L>,
 }

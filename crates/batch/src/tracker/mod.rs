@@ -13,12 +13,15 @@ use glam::{Mat3, Vec3};
 use sinew_core::control::{ControlLaw, Limited};
 use sinew_core::{Body, JointKind, TorqueController, Transform, Wrench};
 
+use crate::efforts::FARTHEST_FROM_UNIT;
 use crate::joint::Motion;
 use crate::lanes::{Matrices, OwnInertias, Poses, States, Twists, Vectors};
 use crate::sweep::Moving;
 use crate::turn::normalize;
 use crate::widest::{Work, widest};
-use commands::{Is, from_compensated_error, from_local_error, from_world_error};
+use commands::{
+    Measured, command_from_compensated_error, command_from_local_error, command_from_world_error,
+};
 use desired::Desired;
 use measured::{move_body, place_root, set_velocity, turn_body};
 use rigs::{Errors, Gains, Link};
@@ -55,9 +58,15 @@ pub struct Trackers {
 }
 
 impl Trackers {
-    /// Joins the trackers of several rigs with these controllers, which run once every `dt_s` seconds. Returns `None`
-    /// if a rig has other joints than ball joints and a free root, or rotors, if a controller has another law or
-    /// method, or if the trees, the methods or gravity differ. O(bodies).
+    /// Joins the trackers of several rigs with these controllers, which run once every `dt_s` seconds. Inertias, gains
+    /// and limits may differ. O(bodies).
+    ///
+    /// Returns `None`
+    /// - if a rig has rotors, or other joints than ball joints and a free root;
+    /// - if a controller has another law, another method, partial compensation (β other than 1), or a body that aims
+    ///   at a point or at several children;
+    /// - if the structures of the rigs, the methods, the aims or gravity differ;
+    /// - if `dt_s` is not a finite number from 1e-9.
     pub fn join<const N: usize>(
         controllers: [&TorqueController<N>; TRACKER_LANES],
         dt_s: f32,
@@ -118,7 +127,7 @@ impl Trackers {
     }
 
     /// Starts before the first tick: `frames` are those of the tick and of the next tick, `readings` those of a tick
-    /// earlier. All are valid. The rigs count as at rest. O(n).
+    /// earlier. The caller has checked them. The rigs count as at rest. O(n).
     ///
     /// # Panics
     /// If a frame or a reading has fewer poses than the rigs have bodies.
@@ -132,9 +141,11 @@ impl Trackers {
         }
     }
 
-    /// Computes the torques of a tick. `frames` are those of the tick after the next, `readings` those of the tick.
-    /// Returns for each rig whether frame and reading are valid. If they are not, the rig has no torques, and this
-    /// and later results for it have no meaning. O(n).
+    /// Computes the torques of a tick, after [`Self::begin`]. `frames` are those of the tick after the next, `readings`
+    /// those of the tick. O(n).
+    ///
+    /// Returns for each rig whether its frame and its reading are valid. From the first tick with an invalid one, the
+    /// torques of this rig have no meaning, although later ticks may return `true`. Other rigs are not affected.
     ///
     /// # Panics
     /// If a frame or a reading has fewer poses than the rigs have bodies.
@@ -211,15 +222,15 @@ impl Work for Step<'_> {
                 }
             }
             let (goal, out) = (desired.goal(index), &mut joint.acceleration);
-            let is = Is { joint: pose, joint_velocity: &joint.velocity, body };
+            let measured = Measured { joint: pose, joint_velocity: &joint.velocity, body };
             match errors {
-                Errors::Local => from_local_error(link, goal, is, out),
-                Errors::World => from_world_error(link, goal, is, out),
+                Errors::Local => command_from_local_error(link, goal, measured, out),
+                Errors::World => command_from_world_error(link, goal, measured, out),
                 Errors::LinearCompensation { aims, settings } => match aims[index] {
-                    None => from_world_error(link, goal, is, out),
+                    None => command_from_world_error(link, goal, measured, out),
                     Some(child) => {
                         let aim = (desired.goal(child), *settings);
-                        from_compensated_error(link, goal, is, aim, out);
+                        command_from_compensated_error(link, goal, measured, aim, out);
                     }
                 },
             }
@@ -246,9 +257,8 @@ impl Work for Step<'_> {
     }
 }
 
-/// Maximum squared distance of a valid position from the parent, m², and of a quaternion's squared length from 1.
+/// Maximum squared distance of a valid position from the parent, m².
 const FARTHEST_M2: f32 = 1e6 * 1e6;
-const FARTHEST_FROM_UNIT: f32 = 2e-3;
 
 /// Returns for each lane whether the core accepts the poses.
 #[inline(always)]

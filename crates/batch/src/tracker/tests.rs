@@ -230,7 +230,7 @@ fn trackers_that_differ_are_not_joined() {
         let own = tree(&mut Random(9), &parents, joint);
         rig(random, own, settings)
     };
-    let joined = |odd: &Settings, joint| {
+    let mut joined = |odd: &Settings, joint| {
         let rigs = from_fn(|lane| {
             let usual = (&settings(1), JointKind::Free);
             let (settings, joint) = if lane == 3 { (odd, joint) } else { usual };
@@ -238,7 +238,6 @@ fn trackers_that_differ_are_not_joined() {
         });
         join(&rigs).is_some()
     };
-    let mut joined = joined;
     let usual = settings(1);
     assert!(joined(&usual, JointKind::Free));
     assert!(!joined(&settings(0), JointKind::Free), "another method");

@@ -62,10 +62,11 @@ pub fn sweep(
     };
     let jobs: Vec<Job<'_>> = missing.iter().map(job).collect();
     make_groups(&jobs, plan.seconds).into_par_iter().try_for_each(|group| {
-        let units: Vec<Unit> = group.iter().map(|unit| missing[*unit]).collect();
-        let jobs: Vec<Job<'_>> = group.iter().map(|job| jobs[*job]).collect();
+        let units: Vec<Unit> = group.iter().map(|index| missing[*index]).collect();
+        let of_group: Vec<Job<'_>> = group.iter().map(|index| jobs[*index]).collect();
         let add = |_: &Job<'_>, errors: &mut Errors, step: Step<'_>| errors.add_step(&step);
-        for (unit, result) in units.iter().zip(track_together(&jobs, plan.seconds, add, |_| ())) {
+        for (unit, result) in units.iter().zip(track_together(&of_group, plan.seconds, add, |_| ()))
+        {
             let outcome = match result {
                 Ok(errors) => Outcome::Errors(errors),
                 Err(error) => Outcome::Lost(error.to_string()),

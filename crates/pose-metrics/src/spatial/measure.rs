@@ -218,7 +218,11 @@ impl<'r, const N: usize> RigMeasure<'r, N> {
     /// joints if the metric is the length of a curve. The weights are those of [`Self::space`].
     pub fn sequence(&self, poses: &[MeasuredPose<N>]) -> PoseSequence {
         match self.measure.metric {
-            Metric::Angles => PoseSequence::of_angles(poses.iter().map(|pose| &pose.coordinates)),
+            Metric::Angles => {
+                let coordinates = poses.iter().map(|pose| &pose.coordinates);
+                let sequence = PoseSequence::of_angles(self.rig.tree(), coordinates);
+                sequence.expect("a spatial rig has only ball joints and fixed joints")
+            }
             Metric::Rotations => {
                 PoseSequence::of_rotations(poses.iter().map(|pose| &pose.rotations))
             }

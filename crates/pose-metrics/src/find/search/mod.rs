@@ -26,7 +26,7 @@ use crate::spatial::{
 ///   hundred times the rounding.
 /// - for the other measures, the sum over every eighth frame. For a single pose nothing is skipped: the distance
 ///   costs little more than any bound.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Search<'a, const N: usize = BODY_COUNT> {
     measuring: &'a RigMeasure<'a, N>,
     query: &'a [MeasuredPose<N>],
@@ -97,6 +97,9 @@ const GEODESICS: usize = 4;
 const LINES: usize = 32;
 const OTHERS: usize = 512;
 
+/// Number of blocks whose progress is reported together: a report takes as long as the bounds of a block.
+const BLOCKS: usize = 64;
+
 /// Interval of the frames in a sum that serves as a bound.
 const EVERY: usize = 8;
 
@@ -160,10 +163,10 @@ impl<'a, const N: usize> Search<'a, N> {
         let mut work = self.work(&places);
         let first: Vec<(Known, SearchStats)> = self
             .blocks()
-            .into_par_iter()
-            .flat_map_iter(|(clip, poses)| {
-                done(poses.len());
-                self.bounds(clip, poses)
+            .par_chunks(BLOCKS)
+            .flat_map_iter(|blocks| {
+                done(blocks.iter().map(|(_, places)| places.len()).sum());
+                blocks.iter().flat_map(|(clip, places)| self.bounds(*clip, places.clone()))
             })
             .collect();
         let mut computed = Computed::new(self.clips, &self.closed, limits);
@@ -354,7 +357,7 @@ impl<'a, const N: usize> Search<'a, N> {
     }
 }
 
-/// Reports places in thousands: to report each would take as long as a bound.
+/// Reports places in thousands: to report each would take as long as a distance.
 fn tell(index: usize, done: impl Fn(usize)) {
     const MANY: usize = 1000;
     if index % MANY == MANY - 1 {
