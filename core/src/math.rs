@@ -160,8 +160,17 @@ pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
 
 /// Returns the rotation from one orientation to another in the axes of the rotating body, `from⁻¹ to`. For equal
 /// orientations the products cancel in pairs, and the result is exactly no rotation.
+///
+/// ```
+/// # use sinew_core::{glam::Vec3, math};
+/// let tipped = math::exp(Vec3::X * 1.2);
+/// let turned = tipped * math::exp(Vec3::Y * 0.3);
+/// let turn = math::log(math::turn_in_body(tipped, turned));
+/// assert!((turn - Vec3::Y * 0.3).length() < 1e-6);
+/// assert_eq!(math::log(math::turn_in_body(tipped, tipped)), Vec3::ZERO);
+/// ```
 #[inline]
-pub(crate) fn turn_in_body(from: Quat, to: Quat) -> Quat {
+pub fn turn_in_body(from: Quat, to: Quat) -> Quat {
     let (a, b) = (from, to);
     Quat::from_xyzw(
         a.w * b.x - a.x * b.w - a.y * b.z + a.z * b.y,
@@ -172,8 +181,16 @@ pub(crate) fn turn_in_body(from: Quat, to: Quat) -> Quat {
 }
 
 /// Returns the rotation like [`turn_in_body`], but in the frame in which both orientations are given: `to from⁻¹`.
+///
+/// ```
+/// # use sinew_core::{glam::Vec3, math};
+/// let tipped = math::exp(Vec3::X * 1.2);
+/// let turned = math::exp(Vec3::Y * 0.3) * tipped;
+/// let turn = math::log(math::turn_in_world(tipped, turned));
+/// assert!((turn - Vec3::Y * 0.3).length() < 1e-6);
+/// ```
 #[inline]
-pub(crate) fn turn_in_world(from: Quat, to: Quat) -> Quat {
+pub fn turn_in_world(from: Quat, to: Quat) -> Quat {
     let (a, b) = (from, to);
     Quat::from_xyzw(
         a.w * b.x - a.x * b.w + a.y * b.z - a.z * b.y,
@@ -192,8 +209,13 @@ pub(crate) fn turned_half(rotation: Quat, axis: Vec3) -> Quat {
 }
 
 /// Returns `sum + a × b`, added product by product: each is a single instruction on CPUs with multiply-add.
+///
+/// ```
+/// # use sinew_core::{glam::Vec3, math};
+/// assert_eq!(math::plus_cross(Vec3::ONE, Vec3::X, Vec3::Y), Vec3::new(1.0, 1.0, 2.0));
+/// ```
 #[inline]
-pub(crate) fn plus_cross(sum: Vec3, a: Vec3, b: Vec3) -> Vec3 {
+pub fn plus_cross(sum: Vec3, a: Vec3, b: Vec3) -> Vec3 {
     Vec3::new(
         sum.x + a.y * b.z - a.z * b.y,
         sum.y + a.z * b.x - a.x * b.z,

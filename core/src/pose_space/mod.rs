@@ -133,6 +133,11 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
         Self { root: Root::Counted, ..self }
     }
 
+    /// Returns the weights by joint.
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
+    }
+
     /// Returns the rig.
     pub fn tree(&self) -> &'t Tree<N> {
         self.tree
@@ -222,6 +227,13 @@ impl<const N: usize> PoseCoordinates<N> {
     /// Returns the coordinates by joint.
     pub fn as_slice(&self) -> &[JointCoordinates] {
         &self.joints
+    }
+}
+
+impl<const N: usize> JointRotations<N> {
+    /// Returns the rotations by joint, each in its parent's frame.
+    pub fn as_slice(&self) -> &[Quat] {
+        &self.rotations
     }
 }
 

@@ -5,16 +5,18 @@ use std::ops::Range;
 use glam::Vec3;
 use sinew_core::{Body, GRAVITY_M_S2, JointKind, math};
 
-use crate::joint::{Coordinates, Motion, in_joint, of_lane};
-use crate::lanes::{LANES, Numbers};
+use crate::joint::{Coordinates, Motion, Numbers, in_joint, of_lane, slides};
 use crate::sweep::Moving;
 use crate::widest::{Work, widest};
+
+/// Number of instants, or of distances, that are computed at once: the widest vector registers hold this number of f32.
+pub const LANES: usize = 16;
 
 /// Largest number that the core accepts.
 const LARGEST: f32 = 1e6;
 
 /// Farthest squared length of a quaternion from 1 that the core accepts.
-const FARTHEST_FROM_UNIT: f32 = 2e-3;
+pub(crate) const FARTHEST_FROM_UNIT: f32 = 2e-3;
 
 /// A calculator of efforts of a tree at [`LANES`] instants at once, with its buffers.
 ///
@@ -25,9 +27,9 @@ pub struct Batch {
     bodies: Vec<Body>,
     /// Ranges of each body in `q` and in `qd`.
     ranges: Vec<[Range<usize>; 2]>,
-    joints: Vec<Motion>,
+    joints: Vec<Motion<LANES>>,
     /// Motions of the world and of the bodies.
-    moving: Vec<Moving>,
+    moving: Vec<Moving<LANES>>,
     efforts: Vec<Numbers>,
 }
 
@@ -126,7 +128,7 @@ impl Work for Efforts<'_> {
             joint.set(body, of_body(&ranges[index]));
             let (above, below) = moving.split_at_mut(index + 1);
             let parent = &above[body.parent.map_or(0, |parent| parent + 1)];
-            below[0].follow(parent, joint, body);
+            below[0].follow(parent, joint, slides(body.joint), &body.inertia);
         }
         for (index, (body, joint)) in bodies.iter().zip(joints.iter()).enumerate().rev() {
             let (above, below) = moving.split_at_mut(index + 1);
@@ -135,7 +137,7 @@ impl Work for Efforts<'_> {
                 above[parent + 1].carry(moving, joint);
             }
             if body.rotor_inertia > 0.0 {
-                moving.add_rotor(joint, body);
+                moving.add_rotor(joint, slides(body.joint), body.rotor_inertia);
             }
             let out = &mut efforts[ranges[index][1].clone()];
             match (body.joint, out) {
@@ -160,7 +162,7 @@ impl Work for Efforts<'_> {
 
 /// Projects a moment and a force onto the axes of a joint of any kind, one instant after the other.
 #[inline(never)]
-fn along_columns(body: &Body, q: &[Numbers], moving: &Moving, out: &mut [Numbers]) {
+fn along_columns(body: &Body, q: &[Numbers], moving: &Moving<LANES>, out: &mut [Numbers]) {
     for lane in 0..LANES {
         let (moment, force) = (moving.moment.at(lane), moving.force.at(lane));
         let (q, still) = (of_lane(q, lane), [0.0; 6]);

@@ -3,24 +3,29 @@
 use glam::{Mat3, Quat, Vec3};
 use sinew_core::{Body, JointKind, Twist, math};
 
-use crate::lanes::{LANES, Matrices, Numbers, Vectors};
+use crate::LANES;
+use crate::lanes::{Matrices, Twists, Vectors};
+use crate::turn::{cosine_of_root, near_unit, sine_over_angle};
 
-/// Motion of a joint at all instants.
+/// A number for each instant.
+pub(crate) type Numbers = crate::lanes::Numbers<LANES>;
+
+/// Motion of a joint in all lanes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Motion {
+pub(crate) struct Motion<const L: usize> {
     /// Rotation from the body's axes to its parent's axes.
-    pub(crate) rotation: Matrices,
+    pub(crate) rotation: Matrices<L>,
     /// Position of the joint in its parent's frame.
-    pub(crate) arm: Vectors,
-    pub(crate) velocity: [Vectors; 2],
-    /// Angular and linear acceleration.
-    pub(crate) acceleration: [Vectors; 2],
+    pub(crate) arm: Vectors<L>,
+    /// Velocity and acceleration, in body axes.
+    pub(crate) velocity: Twists<L>,
+    pub(crate) acceleration: Twists<L>,
 }
 
 /// Coordinates of a joint at all instants: positions, speeds, accelerations.
 pub(crate) type Coordinates<'a> = [&'a [Numbers]; 3];
 
-impl Motion {
+impl Motion<LANES> {
     /// Returns the motion of a joint at rest. Motions of joints that only turn keep its arm.
     pub(crate) fn at_rest(body: &Body) -> Self {
         let joint = if slides(body.joint) { JointKind::Fixed } else { body.joint };
@@ -36,8 +41,8 @@ impl Motion {
         Self {
             rotation,
             arm: Vectors::all(state.pose.translation_m),
-            velocity: [Vectors::ZERO; 2],
-            acceleration: [Vectors::ZERO; 2],
+            velocity: Twists::ZERO,
+            acceleration: Twists::ZERO,
         }
     }
 
@@ -50,8 +55,8 @@ impl Motion {
                 self.rotate_about(axis, angles, body.placement.rotation);
                 for lane in 0..LANES {
                     // The core adds to zero, which converts -0 to 0.
-                    self.velocity[0].set(lane, Vec3::ZERO + axis * speeds[lane]);
-                    self.acceleration[0].set(lane, Vec3::ZERO + axis * accelerations[lane]);
+                    self.velocity.angular.set(lane, Vec3::ZERO + axis * speeds[lane]);
+                    self.acceleration.angular.set(lane, Vec3::ZERO + axis * accelerations[lane]);
                 }
             }
             (JointKind::Spherical, [[x, y, z, w], [wx, wy, wz], [ax, ay, az]]) => {
@@ -59,8 +64,8 @@ impl Motion {
                 for lane in 0..LANES {
                     let [w, a] = [[wx, wy, wz], [ax, ay, az]]
                         .map(|[x, y, z]| Vec3::ZERO + Vec3::new(x[lane], y[lane], z[lane]));
-                    self.velocity[0].set(lane, w);
-                    self.acceleration[0].set(lane, a);
+                    self.velocity.angular.set(lane, w);
+                    self.acceleration.angular.set(lane, a);
                 }
             }
             _ => self.set_one_by_one(body, coordinates),
@@ -156,8 +161,7 @@ impl Motion {
             for (of_all, twist) in
                 [(&mut self.velocity, state.velocity), (&mut self.acceleration, acceleration)]
             {
-                of_all[0].set(lane, twist.angular);
-                of_all[1].set(lane, twist.linear);
+                of_all.set(lane, twist);
             }
         }
     }
@@ -191,22 +195,3 @@ const EIGHTH: f32 = 0.25 * math::PI;
 
 /// Angle from which `math::sin_cos` uses the remainder of a division, rad.
 const FARTHEST: f32 = 8192.0;
-
-/// Computes the polynomial of `math::exp` for `sin(x) / x` as a function of x².
-#[inline(always)]
-fn sine_over_angle(y: f32) -> f32 {
-    1.0 + y * (-0.166_666_55 + y * (0.008_332_1 - y * 1.950_396_4e-4))
-}
-
-/// Computes the polynomial of `math::exp` for `cos(x)` as a function of x².
-#[inline(always)]
-fn cosine_of_root(y: f32) -> f32 {
-    1.0 - y * (0.5 - y * (0.041_666_653 + y * (-0.001_388_765_4 + y * 2.446_383_4e-5)))
-}
-
-/// Computes the series of `math::unit`, and whether `math::unit` uses it.
-#[inline(always)]
-fn near_unit(q: Quat) -> (Quat, bool) {
-    let excess = q.dot(q) - 1.0;
-    (q + q * (excess * (0.375 * excess - 0.5)), excess.abs() < 2e-3)
-}

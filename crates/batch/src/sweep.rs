@@ -1,23 +1,23 @@
-//! The passes of the recursive Newton-Euler algorithm at all instants: see `sinew_core::dynamics::inverse_dynamics`.
+//! The passes of the recursive Newton-Euler algorithm in all lanes: see `sinew_core::dynamics::inverse_dynamics`.
 
 use glam::Vec3;
-use sinew_core::{Body, RotationalInertia};
+use sinew_core::{RotationalInertia, math::plus_cross};
 
-use crate::joint::{Motion, slides};
-use crate::lanes::{LANES, Vectors};
+use crate::joint::Motion;
+use crate::lanes::{Inertias, Vectors};
 
-/// Motion of a body in its axes, and the wrench about its origin, at all instants.
+/// Motion of a body in its axes, and the wrench about its origin, in all lanes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Moving {
-    angular_velocity: Vectors,
-    angular_acceleration: Vectors,
+pub(crate) struct Moving<const L: usize> {
+    angular_velocity: Vectors<L>,
+    angular_acceleration: Vectors<L>,
     /// Acceleration of the body's origin, minus gravity.
-    linear_acceleration: Vectors,
-    pub(crate) moment: Vectors,
-    pub(crate) force: Vectors,
+    linear_acceleration: Vectors<L>,
+    pub(crate) moment: Vectors<L>,
+    pub(crate) force: Vectors<L>,
 }
 
-impl Moving {
+impl<const L: usize> Moving<L> {
     /// Returns a body at rest that falls with this acceleration.
     pub(crate) const fn falling(gravity_m_s2: Vec3) -> Self {
         let up = Vec3::new(-gravity_m_s2.x, -gravity_m_s2.y, -gravity_m_s2.z);
@@ -32,37 +32,42 @@ impl Moving {
 
     /// Computes the motion of a body from that of its parent and its joint, and the wrench that this motion needs.
     #[inline(always)]
-    pub(crate) fn follow(&mut self, parent: &Self, joint: &Motion, body: &Body) {
-        let slides = slides(body.joint);
-        for lane in 0..LANES {
+    pub(crate) fn follow(
+        &mut self,
+        parent: &Self,
+        joint: &Motion<L>,
+        slides: bool,
+        inertias: &impl Inertias,
+    ) {
+        for lane in 0..L {
             let to_body = joint.rotation.at(lane).transpose();
             let arm = joint.arm.at(lane);
-            let w = joint.velocity[0].at(lane);
+            let w = joint.velocity.angular.at(lane);
             let of_parent = parent.angular_velocity.at(lane);
             let alpha = parent.angular_acceleration.at(lane);
             let carried_velocity = to_body * of_parent;
             let around = of_parent.cross(arm);
             let carried_acceleration =
                 parent.linear_acceleration.at(lane) + alpha.cross(arm) + of_parent.cross(around);
-            let turning = joint.acceleration[0].at(lane);
+            let turning = joint.acceleration.angular.at(lane);
             let alpha = to_body * alpha + turning + carried_velocity.cross(w);
             self.angular_velocity.set(lane, carried_velocity + w);
             self.angular_acceleration.set(lane, alpha);
             self.linear_acceleration.set(lane, to_body * carried_acceleration);
         }
         if slides {
-            for lane in 0..LANES {
+            for lane in 0..L {
                 let carried_velocity =
                     joint.rotation.at(lane).transpose() * parent.angular_velocity.at(lane);
                 let [v, sliding] =
-                    [&joint.velocity[1], &joint.acceleration[1]].map(|part| part.at(lane));
+                    [&joint.velocity.linear, &joint.acceleration.linear].map(|part| part.at(lane));
                 let more = carried_velocity.cross(v + v) + sliding;
                 self.linear_acceleration.set(lane, self.linear_acceleration.at(lane) + more);
             }
         }
-        let inertia = &body.inertia;
-        let to_center = inertia.center_of_mass_m;
-        for lane in 0..LANES {
+        for lane in 0..L {
+            let inertia = inertias.of_lane(lane);
+            let to_center = inertia.center_of_mass_m;
             let w = self.angular_velocity.at(lane);
             let alpha = self.angular_acceleration.at(lane);
             let around = w.cross(to_center);
@@ -78,8 +83,8 @@ impl Moving {
 
     /// Adds the wrench that a child's joint transmits.
     #[inline(always)]
-    pub(crate) fn carry(&mut self, child: &Self, joint: &Motion) {
-        for lane in 0..LANES {
+    pub(crate) fn carry(&mut self, child: &Self, joint: &Motion<L>) {
+        for lane in 0..L {
             let to_parent = joint.rotation.at(lane);
             let force = to_parent * child.force.at(lane);
             let moment = to_parent * child.moment.at(lane);
@@ -91,28 +96,18 @@ impl Moving {
 
     /// Adds the wrench that accelerates the rotor of the joint's drive.
     #[inline(always)]
-    pub(crate) fn add_rotor(&mut self, joint: &Motion, body: &Body) {
-        for lane in 0..LANES {
-            let turning = joint.acceleration[0].at(lane) * body.rotor_inertia;
+    pub(crate) fn add_rotor(&mut self, joint: &Motion<L>, slides: bool, rotor_inertia: f32) {
+        for lane in 0..L {
+            let turning = joint.acceleration.angular.at(lane) * rotor_inertia;
             self.moment.set(lane, self.moment.at(lane) + turning);
         }
-        if slides(body.joint) {
-            for lane in 0..LANES {
-                let sliding = joint.acceleration[1].at(lane) * body.rotor_inertia;
+        if slides {
+            for lane in 0..L {
+                let sliding = joint.acceleration.linear.at(lane) * rotor_inertia;
                 self.force.set(lane, self.force.at(lane) + sliding);
             }
         }
     }
-}
-
-/// Returns `sum + a × b`, adding one product after the other.
-#[inline(always)]
-fn plus_cross(sum: Vec3, a: Vec3, b: Vec3) -> Vec3 {
-    Vec3::new(
-        sum.x + a.y * b.z - a.z * b.y,
-        sum.y + a.z * b.x - a.x * b.z,
-        sum.z + a.x * b.y - a.y * b.x,
-    )
 }
 
 /// Multiplies a symmetric matrix by a vector.

@@ -7,35 +7,35 @@ use sinew_core::{
     Wrench, math,
 };
 
-use crate::lanes::Numbers;
+use crate::joint::Numbers;
 use crate::widest::Instructions;
 use crate::{Batch, LANES};
 
 const CAPACITY: usize = 128;
 
 /// A generator of numbers from -1 to 1, equal in every run.
-struct Random(u32);
+pub(crate) struct Random(pub(crate) u32);
 
 impl Random {
-    fn next(&mut self) -> f32 {
+    pub(crate) fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (self.0 >> 8) as f32 / (1_u32 << 23) as f32 - 1.0
     }
 
-    fn index(&mut self, count: usize) -> usize {
+    pub(crate) fn index(&mut self, count: usize) -> usize {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (self.0 >> 8) as usize % count
     }
 
-    fn vector(&mut self) -> Vec3 {
+    pub(crate) fn vector(&mut self) -> Vec3 {
         Vec3::new(self.next(), self.next(), self.next())
     }
 
-    fn rotation(&mut self) -> Quat {
+    pub(crate) fn rotation(&mut self) -> Quat {
         math::exp(3.0 * self.vector())
     }
 
-    fn axis(&mut self) -> Vec3 {
+    pub(crate) fn axis(&mut self) -> Vec3 {
         let axes = [Vec3::X, Vec3::Y, Vec3::NEG_Z, Vec3::new(0.48, -0.64, 0.6)];
         axes[self.index(axes.len())]
     }

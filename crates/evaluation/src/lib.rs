@@ -3,7 +3,7 @@
 //!
 //! - `setup` contains all settings of a run; `controller` contains the core's settings, with bodies by name.
 //! - `run` tracks one motion with the core's tracker, step by `step`; `together` tracks many, with their exact plants
-//!   in the lanes of vector instructions; `evaluation` tracks all motions with all methods.
+//!   and their `trackers` in the lanes of vector instructions; `evaluation` tracks all motions with all methods.
 //! - `importance_weights` computes the importance-weighted error; `metrics` and [`detail`] sum errors in a fixed
 //!   order: by body, by size and over time, in bounded memory.
 //! - `disturbance` describes differences between a rig and the controller's model; `sensors`, `drives` (with
@@ -47,6 +47,7 @@ pub mod sweep;
 #[cfg(test)]
 mod tests;
 mod together;
+mod trackers;
 mod trial;
 
 pub use sinew_core::tracker::MethodName;

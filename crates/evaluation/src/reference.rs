@@ -70,12 +70,18 @@ impl<'a> Frames<'a> {
         Self { motion, setup, poses: Vec::new(), joints: Vec::new() }
     }
 
-    fn read(&mut self, frame: usize) {
+    /// Reads a frame.
+    pub(super) fn read(&mut self, frame: usize) {
         self.motion.joint_poses(self.setup, frame, &mut self.poses);
         let single =
             |pose: &Pose| Transform::new(pose.rotation.as_quat(), pose.position_m.as_vec3());
         self.joints.clear();
         self.joints.extend(self.poses.iter().map(single));
+    }
+
+    /// Returns the poses of the joints in the frame that was read last.
+    pub(super) fn joints(&self) -> &[Transform] {
+        &self.joints
     }
 }
 

@@ -1,10 +1,11 @@
 //! A run: one motion, tracked by one rig with one setup.
 
-use sinew_core::Transform;
-use sinew_core::control::LimitReason;
+use sinew_core::control::{LimitReason, Limited};
+use sinew_core::{TorqueController, Transform, Wrench};
 use sinew_figure::plant::{Drive, Plant, Pose};
 use sinew_rig::mechanism::{JointModel, Link};
 
+use super::capacity::CAPACITY;
 use super::drives::Drives;
 use super::error::RunError;
 use super::metrics::Errors;
@@ -112,6 +113,7 @@ impl<'a> Run<'a> {
     pub fn track(self, mut observe: impl FnMut(Step<'_>)) -> Result<usize, RunError> {
         let Self { mut performer, mut plant } = self;
         while !performer.is_done() {
+            performer.sense(plant.poses());
             performer.act(plant.poses())?;
             plant.step(performer.drive());
             observe(performer.compare(plant.poses())?);
@@ -141,25 +143,78 @@ impl Performer<'_> {
         self.steps
     }
 
-    /// Computes the drives of the present step, from the poses of the plant at its beginning.
-    pub(super) fn act(&mut self, poses: &[Pose]) -> Result<(), RunError> {
+    /// Reads the joints' sensors at the beginning of the present step, when the plant has these poses.
+    pub(super) fn sense(&mut self, poses: &[Pose]) {
         if self.frame > 0 {
             self.readings.swap(0, 1);
         }
-        let Self { motion, setup, frame, steps, rig, .. } = self;
         let [_, now] = &mut self.readings;
-        rig.joint_poses(poses, now);
-        self.sensors.read(rig.links(), now);
+        self.rig.joint_poses(poses, now);
+        self.sensors.read(self.rig.links(), now);
+    }
+
+    /// Computes the drives of the present step from the readings of the sensors, with the run's own tracker.
+    pub(super) fn act(&mut self, poses: &[Pose]) -> Result<(), RunError> {
+        let Self { setup, frame, steps, tracker, .. } = self;
+        let [_, now] = &self.readings;
         let tick = i32::try_from(*frame).map_err(|_| RunError::TooLong { frames: *steps })?;
-        let tick = self.tracker.step(&mut self.frames, tick, now.as_slice());
+        let tick = tracker.step(&mut self.frames, tick, now.as_slice());
         let tick = tick.map_err(|source| RunError::State { frame: *frame, source })?;
-        let torques = tick.torques();
-        if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
-            return Err(RunError::TorqueNotFinite { frame: *frame });
-        }
-        let performance = Performance { motion: *motion, setup, links: rig.links() };
-        self.limited = self.drives.act(&performance, *frame, torques, poses);
+        let performance = Performance { motion: self.motion, setup, links: self.rig.links() };
+        self.limited = drive(&mut self.drives, &performance, *frame, tick.torques(), poses)?;
         Ok(())
+    }
+
+    /// Computes the drives like [`Self::act`] if the run's own tracker has not followed the previous step.
+    pub(super) fn act_anew(&mut self, poses: &[Pose]) -> Result<(), RunError> {
+        let Self { frame, steps, tracker, .. } = self;
+        let [before, _] = &self.readings;
+        let tick = i32::try_from(*frame).map_err(|_| RunError::TooLong { frames: *steps })?;
+        let begun = tracker.begin(&mut self.frames, tick, before.as_slice());
+        begun.map_err(|source| RunError::State { frame: *frame, source })?;
+        self.act(poses)
+    }
+
+    /// Computes the drives of the present step from torques that are computed elsewhere.
+    pub(super) fn act_by(
+        &mut self,
+        torques: &[Limited<Wrench>],
+        poses: &[Pose],
+    ) -> Result<(), RunError> {
+        let Self { motion, setup, frame, rig, drives, .. } = self;
+        let performance = Performance { motion: *motion, setup, links: rig.links() };
+        self.limited = drive(drives, &performance, *frame, torques, poses)?;
+        Ok(())
+    }
+
+    /// Returns the time of a step, s.
+    pub(super) fn dt_s(&self) -> f64 {
+        self.motion.dt_s()
+    }
+
+    /// Returns whether [`sinew_batch::Trackers`] can replace the run's own tracker, as far as settings decide it.
+    pub(super) fn has_plain_tracker(&self) -> bool {
+        self.setup.plain_tracker().is_some()
+    }
+
+    /// Returns the controller of the run's own tracker.
+    pub(super) fn controller(&self) -> &TorqueController<CAPACITY> {
+        self.tracker.controller()
+    }
+
+    /// Reads the frame that is `ahead` frames after that of the present step.
+    pub(super) fn read_frame(&mut self, ahead: usize) {
+        self.frames.read(self.frame + ahead);
+    }
+
+    /// Returns the poses of the joints in the frame that was read last.
+    pub(super) fn frame_poses(&self) -> &[Transform] {
+        self.frames.joints()
+    }
+
+    /// Returns the readings of the sensors in the previous tick and in this tick.
+    pub(super) fn readings(&self) -> [&[Transform]; 2] {
+        self.readings.each_ref().map(Vec::as_slice)
     }
 
     /// Returns the drives of the present step.
@@ -184,9 +239,23 @@ impl Performer<'_> {
             rig,
             limited: self.limited,
             readings: [before, now],
-            tracker: &mut self.tracker,
+            tracker: Some(&mut self.tracker),
         })
     }
+}
+
+/// Passes torques to the drives. Returns the number of joints that did not receive their desired torque.
+fn drive(
+    drives: &mut Drives,
+    performance: &Performance<'_>,
+    frame: usize,
+    torques: &[Limited<Wrench>],
+    poses: &[Pose],
+) -> Result<usize, RunError> {
+    if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
+        return Err(RunError::TorqueNotFinite { frame });
+    }
+    Ok(drives.act(performance, frame, torques, poses))
 }
 
 /// Computes the maximum plausible distance of a body from its goal, in metres: the sum of all bone lengths of the

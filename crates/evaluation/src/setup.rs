@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_core::Workspace;
-use sinew_core::tracker::{MethodName, Settings, Timing, Tracker, TrackerError};
+use sinew_core::control::ControlLaw;
+use sinew_core::tracker::{
+    DesiredVelocity, Differences, MethodName, ObserverChoice, Settings, Timing, Tracker,
+    TrackerError,
+};
 use sinew_figure::plant::PlantSettings;
 use sinew_figure::{BODIES, BodyModel, BodyModelError, Dimensions, FigureMotion, Root, Subject};
 use sinew_host_util::parse_message;
@@ -61,6 +65,14 @@ pub enum BodySource {
     DeLeva,
     /// Hanavan's solids as modified by Kwon, for a measured subject. The paper uses this model.
     HanavanKwon,
+}
+
+/// Kind of a tracker with the paper's differences, without projection, observer and supply.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct PlainTracker {
+    method: MethodName,
+    /// Settings of Linear Compensation.
+    compensation: Option<(u32, u8, u8)>,
 }
 
 impl Setup {
@@ -174,6 +186,26 @@ impl Setup {
         names.clone().position(|name| name == wanted).ok_or_else(|| SetupError::NoSuchBody {
             names: names.collect::<Vec<_>>().join(", "),
             found: wanted.clone(),
+        })
+    }
+
+    /// Returns the kind of a tracker that [`sinew_batch::Trackers`] can replace, as far as settings decide it; `None` for
+    /// other trackers. Trackers of one kind can take their ticks together.
+    pub(super) fn plain_tracker(&self) -> Option<PlainTracker> {
+        let controller = &self.controller;
+        let is_plain = matches!(
+            controller.method,
+            MethodName::Local | MethodName::World | MethodName::LinearCompensation
+        ) && controller.differences == Differences::Forward
+            && controller.desired_velocity == DesiredVelocity::Bodies
+            && controller.observer == ObserverChoice::default()
+            && controller.law == ControlLaw::InverseDynamics
+            && self.disturbance.supply_nm == f64::INFINITY;
+        is_plain.then(|| PlainTracker {
+            method: controller.method,
+            compensation: (controller.method == MethodName::LinearCompensation).then(|| {
+                (controller.beta.to_bits(), controller.rate_term as u8, controller.aim as u8)
+            }),
         })
     }
 

@@ -24,8 +24,8 @@ pub struct Step<'a> {
     pub limited: usize,
     /// Sensor readings for the controller in the previous tick and in this tick.
     pub readings: [&'a [Transform]; 2],
-    /// The tracker that computed the torques.
-    pub tracker: &'a mut RigTracker,
+    /// The tracker that computed the torques; `None` if those of several runs were computed together.
+    pub tracker: Option<&'a mut RigTracker>,
 }
 
 impl Step<'_> {

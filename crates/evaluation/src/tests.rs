@@ -1,12 +1,14 @@
 use serde_json::Value;
 
+use sinew_core::StateInputError;
 use sinew_core::control::ControlLaw;
 use sinew_core::state_error::RateTerm;
-use sinew_core::tracker::{DesiredVelocity, GainsName, SettingError};
+use sinew_core::tracker::{DesiredVelocity, GainsName, InputError, SettingError, StepError};
 use sinew_figure::fixture::moving;
 use sinew_figure::plant::{PlantKind, Pose};
 use sinew_figure::{Dimensions, FigureMotion, Root};
 
+use super::together::{Job, track_together};
 use super::*;
 
 fn motions() -> Vec<FigureMotion> {
@@ -62,6 +64,67 @@ fn a_reference_frame_may_be_any_body() {
     assert!(seen_from("pelvis") == trace(with_method(MethodName::Egocentric)));
     assert!(seen_from("head") == trace(with_method(MethodName::World)), "it has no descendants");
     assert!(seen_from("thorax") != seen_from("pelvis"));
+}
+
+/// Tracks motions together, up to eight at once, and each alone, and compares errors and failures. `shares` tells
+/// whether the trackers must take their ticks together.
+fn compare_together_and_alone(motions: &[FigureMotion], setup: &Setup, shares: bool) {
+    let jobs: Vec<Job<'_>> =
+        (0..).zip(motions).map(|(stream, motion)| Job { motion, stream, setup }).collect();
+    let add = |_: &Job<'_>, errors: &mut Errors, step: Step<'_>| {
+        assert_eq!(step.tracker.is_none(), shares, "{:?}", setup.differences());
+        errors.add_step(&step);
+    };
+    let together = track_together(&jobs, None, add, |_| ());
+    for (job, together) in jobs.iter().zip(together) {
+        let alone = Run::new(job.motion, setup, None, job.stream).and_then(Run::measure);
+        let alone = alone.map(|(errors, _)| errors);
+        assert_eq!(alone, together, "{} {:?}", job.motion.name(), setup.differences());
+    }
+}
+
+#[test]
+fn runs_have_the_same_bits_together_and_alone() {
+    // The runs end one after the other.
+    let motions: Vec<FigureMotion> =
+        (14..21).map(|frames| moving(&format!("{frames} frames"), frames)).collect();
+    for method in MethodName::PAPER {
+        let compare = |alter: &dyn Fn(&mut Setup), shares| {
+            let mut setup = Protocol::default().setup_of(1.1, method);
+            setup.plant.kind = PlantKind::Articulated;
+            alter(&mut setup);
+            compare_together_and_alone(&motions, &setup, shares);
+        };
+        compare(&|_| (), true);
+        compare(&|setup| setup.disturbance.torque_limit_nm = 60.0, true);
+        compare(&|setup| setup.disturbance.sensor_noise_rad = 1e-3, true);
+        compare(&|setup| setup.disturbance.masses = 0.15, true);
+        compare(&|setup| setup.controller.rate_term = RateTerm::AsPrinted, true);
+        let compensates = method == MethodName::LinearCompensation;
+        compare(&|setup| setup.controller.beta = 0.7, !compensates);
+        compare(&|setup| setup.controller.desired_velocity = DesiredVelocity::Joints, false);
+        compare(&|setup| setup.controller.law = ControlLaw::ProportionalDerivative, false);
+        compare(&|setup| setup.disturbance.supply_nm = 300.0, false);
+    }
+}
+
+#[test]
+fn a_refused_reading_has_the_same_error_together_and_alone() {
+    // The noise is so large that the core refuses some readings, and the gains so small that the figure is not lost.
+    let mut setup = Setup::default();
+    setup.plant.kind = PlantKind::Articulated;
+    setup.controller.kp = 1e-12;
+    setup.disturbance.sensor_noise_m = 4e5;
+    let motions: Vec<FigureMotion> = (0..8).map(|_| moving("clip", 30)).collect();
+    compare_together_and_alone(&motions, &setup, true);
+    let alone = |stream| Run::new(&motions[0], &setup, None, stream).and_then(Run::measure);
+    let is_refused = |stream: &u64| {
+        let source = StepError::Measured(InputError::Pose(StateInputError::NonFinite));
+        alone(*stream).is_err_and(
+            |error| matches!(error, RunError::State { frame: 1.., source: found } if found == source),
+        )
+    };
+    assert!((0..8).filter(is_refused).count() > 4);
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Runs side by side: the exact plants of several runs take their steps together, in vector instructions.
+//! Runs side by side: the exact plants and the trackers of several runs take their steps together, in vector
+//! instructions.
 
 use std::array::from_fn;
 use std::cmp::Reverse;
@@ -11,6 +12,7 @@ use super::motion::{EvaluatedMotion, count_steps};
 use super::run::{Performer, Run};
 use super::setup::Setup;
 use super::step::Step;
+use super::trackers::RunTrackers;
 
 /// A run that is to be made: a motion, its number, which selects its noise, and a setup.
 #[derive(Clone, Copy)]
@@ -45,28 +47,39 @@ pub(super) fn track_all<R: Default + Send>(
     observe: impl Fn(&Job<'_>, &mut R, Step<'_>) + Sync,
     progress: impl Fn(usize) + Sync,
 ) -> Vec<Result<R, RunError>> {
-    let mut order: Vec<usize> = (0..jobs.len()).collect();
-    order.sort_by_key(|job| Reverse(count_steps(jobs[*job].motion, seconds)));
-    let groups = order.par_chunks(group_size(jobs.len()));
+    let groups = make_groups(jobs, seconds);
     let mut results: Vec<_> = groups
+        .into_par_iter()
         .flat_map_iter(|group| {
             let of_group: Vec<Job<'_>> = group.iter().map(|job| jobs[*job]).collect();
             let results = track_together(&of_group, seconds, &observe, &progress);
-            group.iter().copied().zip(results)
+            group.into_iter().zip(results)
         })
         .collect();
     results.sort_by_key(|(job, _)| *job);
     results.into_iter().map(|(_, result)| result).collect()
 }
 
-/// Returns the number of runs that a thread tracks together: as many as the plant has lanes, if there are enough for
-/// all threads.
-pub(super) fn group_size(runs: usize) -> usize {
-    runs.div_ceil(rayon::current_num_threads()).clamp(1, LANES)
+/// Divides jobs into groups that are tracked together. A group has at most as many jobs as the plant has lanes, and
+/// fewer if a thread would otherwise have no work. Its jobs have the same substeps and trackers of the same kind, which
+/// is a condition for lanes, and similar lengths, so that few lanes wait for others.
+pub(super) fn make_groups(jobs: &[Job<'_>], seconds: Option<f64>) -> Vec<Vec<usize>> {
+    let kind = |job: &usize| {
+        let setup = jobs[*job].setup;
+        (setup.plant.substeps, setup.plain_tracker())
+    };
+    let mut order: Vec<usize> = (0..jobs.len()).collect();
+    order.sort_by_key(|job| (kind(job), Reverse(count_steps(jobs[*job].motion, seconds))));
+    let most = jobs.len().div_ceil(rayon::current_num_threads()).clamp(1, LANES);
+    // Groups of similar size: a single run has no lanes.
+    let divide = |jobs: &'_ [usize]| jobs.len().div_ceil(jobs.len().div_ceil(most));
+    let of_kinds = order.chunk_by(|a, b| kind(a) == kind(b));
+    of_kinds.flat_map(|jobs| jobs.chunks(divide(jobs))).map(<[usize]>::to_vec).collect()
 }
 
 /// Tracks up to [`LANES`] jobs. If their rigs are figures of ball joints, their plants take their steps together;
-/// otherwise the runs are tracked one after the other. Arguments and results are those of [`track_all`].
+/// otherwise the runs are tracked one after the other. If trackers can take their ticks together, too, they do so
+/// ([`Setup::plain_tracker`]). Arguments and results are those of [`track_all`].
 pub(super) fn track_together<'a, R: Default>(
     jobs: &[Job<'a>],
     seconds: Option<f64>,
@@ -89,14 +102,33 @@ pub(super) fn track_together<'a, R: Default>(
     };
     let mut tracked: Vec<_> = jobs.iter().zip(runs).map(start).collect();
     let mut lanes: Vec<&mut Tracked<'_, R>> = tracked.iter_mut().flatten().collect();
+    let mut performers: Vec<_> = lanes.iter_mut().map(|one| &mut one.performer).collect();
+    let mut trackers = RunTrackers::join(&mut performers);
+    let last = lanes.len() - 1;
     while lanes.iter().any(|one| one.goes_on()) {
-        for (lane, one) in lanes.iter_mut().enumerate().filter(|(_, one)| one.goes_on()) {
-            one.failure = one.performer.act(plant.poses_of(lane)).err();
+        if let Some(trackers) = &mut trackers {
+            for (lane, one) in lanes.iter_mut().enumerate().filter(|(_, one)| one.goes_on()) {
+                RunTrackers::sense(&mut one.performer, plant.poses_of(lane));
+            }
+            trackers.step(from_fn(|lane| &lanes[lane.min(last)].performer));
         }
-        plant.step_all(from_fn(|lane| lanes[lane.min(lanes.len() - 1)].performer.drive()));
+        for (lane, one) in lanes.iter_mut().enumerate().filter(|(_, one)| one.goes_on()) {
+            let poses = plant.poses_of(lane);
+            let done = if let Some(trackers) = &trackers {
+                trackers.act(lane, &mut one.performer, poses)
+            } else {
+                one.performer.sense(poses);
+                one.performer.act(poses)
+            };
+            one.failure = done.err();
+        }
+        plant.step_all(from_fn(|lane| lanes[lane.min(last)].performer.drive()));
         for (lane, one) in lanes.iter_mut().enumerate().filter(|(_, one)| one.goes_on()) {
             match one.performer.compare(plant.poses_of(lane)) {
-                Ok(step) => observe(&one.job, &mut one.results, step),
+                Ok(step) => {
+                    let tracker = step.tracker.filter(|_| trackers.is_none());
+                    observe(&one.job, &mut one.results, Step { tracker, ..step });
+                }
                 Err(error) => one.failure = Some(error),
             }
             if one.failure.is_none() && one.performer.is_done() {

@@ -33,18 +33,19 @@ impl Work for Angles<'_> {
             for ((sine, cosine), q) in sines.iter_mut().zip(&mut cosines).zip(rotations) {
                 (*sine, *cosine) = (q.x * q.x + q.y * q.y + q.z * q.z, q.w.abs());
             }
-            let mut angles = [0.0; LANES];
-            let mut are_usual = true;
-            for ((angle, sine), cosine) in angles.iter_mut().zip(&mut sines).zip(&cosines) {
-                *sine = sine.sqrt();
-                let ratio = *sine / *cosine;
-                *angle = 2.0 * arctangent(ratio);
-                // Excludes NaN: of invalid rotations, and of 0 / 0.
-                are_usual &= ratio >= 0.0;
+            let mut ratios = [0.0; LANES];
+            for lane in 0..LANES {
+                sines[lane] = sines[lane].sqrt();
+                ratios[lane] = sines[lane] / cosines[lane];
             }
-            if !are_usual {
-                for ((angle, sine), cosine) in angles.iter_mut().zip(&sines).zip(&cosines) {
-                    *angle = 2.0 * libm::atan2(*sine, *cosine);
+            let mut angles = arctangents(&ratios);
+            for angle in &mut angles {
+                *angle *= 2.0;
+            }
+            // Excludes NaN: of invalid rotations, and of 0 / 0.
+            if !ratios.iter().all(|ratio| *ratio >= 0.0) {
+                for lane in 0..LANES {
+                    angles[lane] = 2.0 * libm::atan2(sines[lane], cosines[lane]);
                 }
             }
             out.copy_from_slice(&angles[..out.len()]);
@@ -52,41 +53,78 @@ impl Work for Angles<'_> {
     }
 }
 
-/// Computes `libm::atan` of a number from 0 to infinity: the same operations, with selections in place of branches.
+/// A part of the arctangent's domain, up to a limit: there `atan(x)` is the arctangent of a fraction plus a constant.
+struct Part {
+    limit: f64,
+    /// Numerator and denominator of the fraction: factor of x, and constant.
+    above: [f64; 2],
+    below: [f64; 2],
+    /// Two numbers whose sum is the constant. The second is below the precision of the first.
+    sum: [f64; 2],
+}
+
+/// The parts of `libm::atan`, from the upper end.
+const PARTS: [Part; 4] = [
+    Part {
+        limit: 2.4375,
+        above: [1.0, -1.5],
+        below: [1.5, 1.0],
+        sum: [0.982_793_723_247_329, 1.390_331_103_123_099_8e-17],
+    },
+    Part {
+        limit: 1.1875,
+        above: [1.0, -1.0],
+        below: [1.0, 1.0],
+        sum: [FRAC_PI_4, 3.061_616_997_868_383e-17],
+    },
+    Part {
+        limit: 0.6875,
+        above: [2.0, -1.0],
+        below: [1.0, 2.0],
+        sum: [0.463_647_609_000_806_1, 2.269_877_745_296_168_7e-17],
+    },
+    Part { limit: 0.4375, above: [1.0, 0.0], below: [0.0, 1.0], sum: [0.0, 0.0] },
+];
+
+/// Computes `libm::atan` of numbers from 0 to infinity: the same operations, with selections in place of branches. The
+/// compiler turns only short loops into vector instructions.
 #[inline(always)]
-fn arctangent(x: f64) -> f64 {
-    let parts = [
-        (x < 2.4375, x - 1.5, 1.0 + 1.5 * x, 0.982_793_723_247_329, 1.390_331_103_123_099_8e-17),
-        (x < 1.1875, x - 1.0, x + 1.0, FRAC_PI_4, 3.061_616_997_868_383e-17),
-        (x < 0.6875, 2.0 * x - 1.0, 2.0 + x, 0.463_647_609_000_806_1, 2.269_877_745_296_168_7e-17),
-        (x < 0.4375, x, 1.0, 0.0, 0.0),
-    ];
+fn arctangents(numbers: &[f64; LANES]) -> [f64; LANES] {
     // From 2.4375: the arctangent of the reciprocal, subtracted from π/2, which is the sum of these numbers.
-    let (mut above, mut below) = (-1.0, x);
-    let (mut high, mut low) = (FRAC_PI_2, 6.123_233_995_736_766e-17);
-    for (is_part, of_above, of_below, of_high, of_low) in parts {
-        // All ones or zero. The compiler would turn a conditional expression into a branch.
-        let mask = u64::from(is_part).wrapping_neg();
-        let select =
-            |part: f64, other: f64| f64::from_bits(part.to_bits() & mask | other.to_bits() & !mask);
-        (above, below) = (select(of_above, above), select(of_below, below));
-        (high, low) = (select(of_high, high), select(of_low, low));
+    let (mut above, mut below) = ([-1.0; LANES], *numbers);
+    let (mut high, mut low) = ([FRAC_PI_2; LANES], [6.123_233_995_736_766e-17; LANES]);
+    for Part { limit, above: [a, b], below: [c, d], sum } in PARTS {
+        for lane in 0..LANES {
+            let x = numbers[lane];
+            // All ones or zero. The compiler would turn a conditional expression into a branch.
+            let mask = u64::from(x < limit).wrapping_neg();
+            let select = |part: f64, other: f64| {
+                f64::from_bits(part.to_bits() & mask | other.to_bits() & !mask)
+            };
+            above[lane] = select(a * x + b, above[lane]);
+            below[lane] = select(c * x + d, below[lane]);
+            (high[lane], low[lane]) = (select(sum[0], high[lane]), select(sum[1], low[lane]));
+        }
     }
-    let t = above / below;
-    let z = t * t;
-    let w = z * z;
-    let odd = z
-        * (0.333_333_333_333_329_3
-            + w * (0.142_857_142_725_034_66
-                + w * (0.090_908_871_334_365_07
-                    + w * (0.066_610_731_373_875_31
-                        + w * (0.049_768_779_946_159_324 + w * 0.016_285_820_115_365_782)))));
-    let even = w
-        * (-0.199_999_999_998_764_83
-            + w * (-0.111_111_104_054_623_56
-                + w * (-0.076_918_762_050_448_3
-                    + w * (-0.058_335_701_337_905_735 + w * -0.036_531_572_744_216_916))));
-    high - ((t * (odd + even) - low) - t)
+    let mut angles = [0.0; LANES];
+    for lane in 0..LANES {
+        let t = above[lane] / below[lane];
+        let z = t * t;
+        let w = z * z;
+        let odd = z
+            * (0.333_333_333_333_329_3
+                + w * (0.142_857_142_725_034_66
+                    + w * (0.090_908_871_334_365_07
+                        + w * (0.066_610_731_373_875_31
+                            + w * (0.049_768_779_946_159_324 + w * 0.016_285_820_115_365_782)))));
+        let even = w
+            * (-0.199_999_999_998_764_83
+                + w * (-0.111_111_104_054_623_56
+                    + w * (-0.076_918_762_050_448_3
+                        + w * (-0.058_335_701_337_905_735 + w * -0.036_531_572_744_216_916))));
+        angles[lane] = high[lane] - ((t * (odd + even) - low[lane]) - t);
+    }
+    angles
 }
 
 #[cfg(test)]

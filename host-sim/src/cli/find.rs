@@ -172,11 +172,11 @@ impl Args {
         let of_clips = library.measured(&measuring, rigid)?;
         let apart = frames(self.apart_s * self.rate_hz);
         let limits = Limits { count: self.count.get(), apart };
+        let start = Instant::now();
         let mut search = Search::new(&rig, &measuring, &of_query, &of_clips);
         if let Some((clip, poses)) = self.own(query, library, apart) {
             search = search.without(clip, poses);
         }
-        let start = Instant::now();
         let found = with_progress(search.place_count(), |done| search.nearest(limits, done));
         let pruned_s = start.elapsed().as_secs_f64();
         if self.check {

@@ -13,7 +13,6 @@ mod plan;
 mod summary;
 mod table;
 
-use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -22,7 +21,7 @@ use rayon::prelude::*;
 use crate::metrics::Errors;
 use crate::motion::{EvaluatedMotion, count_steps};
 use crate::step::Step;
-use crate::together::{Job, group_size, track_together};
+use crate::together::{Job, make_groups, track_together};
 
 pub use error::SweepError;
 pub use file::{Cell, SweepFile};
@@ -52,21 +51,22 @@ pub fn sweep(
     motions: &[impl EvaluatedMotion],
     progress: impl Fn(usize) + Sync,
 ) -> Result<Summary, SweepError> {
-    let mut missing: Vec<Unit> = plan.units().filter(|unit| !journal.has(*unit)).collect();
+    let missing: Vec<Unit> = plan.units().filter(|unit| !journal.has(*unit)).collect();
     let resumed = plan.units().count() - missing.len();
     let folder = journal.folder().to_path_buf();
     let journal = Mutex::new(journal);
-    // Runs of equal length keep all lanes of a group busy.
-    missing.sort_by_key(|unit| Reverse(count_steps(&motions[unit.clip], plan.seconds)));
-    missing.par_chunks(group_size(missing.len())).try_for_each(|units| {
-        let job = |unit: &Unit| Job {
-            motion: &motions[unit.clip],
-            stream: unit.clip as u64,
-            setup: &plan.cells[unit.cell].setup,
-        };
-        let jobs: Vec<Job<'_>> = units.iter().map(job).collect();
+    let job = |unit: &Unit| Job {
+        motion: &motions[unit.clip],
+        stream: unit.clip as u64,
+        setup: &plan.cells[unit.cell].setup,
+    };
+    let jobs: Vec<Job<'_>> = missing.iter().map(job).collect();
+    make_groups(&jobs, plan.seconds).into_par_iter().try_for_each(|group| {
+        let units: Vec<Unit> = group.iter().map(|index| missing[*index]).collect();
+        let of_group: Vec<Job<'_>> = group.iter().map(|index| jobs[*index]).collect();
         let add = |_: &Job<'_>, errors: &mut Errors, step: Step<'_>| errors.add_step(&step);
-        for (unit, result) in units.iter().zip(track_together(&jobs, plan.seconds, add, |_| ())) {
+        for (unit, result) in units.iter().zip(track_together(&of_group, plan.seconds, add, |_| ()))
+        {
             let outcome = match result {
                 Ok(errors) => Outcome::Errors(errors),
                 Err(error) => Outcome::Lost(error.to_string()),

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use glam::DQuat;
+use sinew_batch::PoseSequence;
 use sinew_core::pose_space::{
     BodyPoses, JointCoordinates, JointRotations, LineWorkspace, PoseCoordinates, PoseSpace,
     PoseSpaceError,
@@ -211,6 +212,24 @@ impl<'r, const N: usize> RigMeasure<'r, N> {
             _ => JointPosition::Fixed,
         };
         bodies.map(turn).collect()
+    }
+
+    /// Stores poses for distances to many of them at once: distances of the metric, or straight-line distances of the
+    /// joints if the metric is the length of a curve. The weights are those of [`Self::space`].
+    pub fn sequence(&self, poses: &[MeasuredPose<N>]) -> PoseSequence {
+        match self.measure.metric {
+            Metric::Angles => {
+                let coordinates = poses.iter().map(|pose| &pose.coordinates);
+                let sequence = PoseSequence::of_angles(self.rig.tree(), coordinates);
+                sequence.expect("a spatial rig has only ball joints and fixed joints")
+            }
+            Metric::Rotations => {
+                PoseSequence::of_rotations(poses.iter().map(|pose| &pose.rotations))
+            }
+            Metric::Positions | Metric::Line | Metric::Geodesic => {
+                PoseSequence::of_positions(poses.iter().map(|pose| &pose.places))
+            }
+        }
     }
 
     /// Returns the straight-line distance of the joints, with the measure's weights. In exact arithmetic no line

@@ -5,6 +5,7 @@ use std::collections::{BTreeSet, BinaryHeap};
 use std::ops::Range;
 
 use rayon::prelude::*;
+use sinew_batch::{LANES, PoseSequence};
 
 use crate::spatial::{
     BODY_COUNT, MeasuredPose, Metric, RigMeasure, SpatialRig, Weighting, Workspace,
@@ -25,11 +26,14 @@ use crate::spatial::{
 ///   hundred times the rounding.
 /// - for the other measures, the sum over every eighth frame. For a single pose nothing is skipped: the distance
 ///   costs little more than any bound.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Search<'a, const N: usize = BODY_COUNT> {
     measuring: &'a RigMeasure<'a, N>,
     query: &'a [MeasuredPose<N>],
     clips: &'a [Vec<MeasuredPose<N>>],
+    /// The numbers of these poses whose distances serve as bounds.
+    query_sequence: PoseSequence,
+    sequences: Vec<PoseSequence>,
     /// Excluded places of each clip, which are not moments.
     closed: Vec<Range<usize>>,
     slack_m: f64,
@@ -93,6 +97,9 @@ const GEODESICS: usize = 4;
 const LINES: usize = 32;
 const OTHERS: usize = 512;
 
+/// Number of blocks whose progress is reported together: a report takes as long as the bounds of a block.
+const BLOCKS: usize = 64;
+
 /// Interval of the frames in a sum that serves as a bound.
 const EVERY: usize = 8;
 
@@ -130,7 +137,15 @@ impl<'a, const N: usize> Search<'a, N> {
         });
         let squares = weights.zip(&reach_m).map(|(weight, reach_m)| weight * reach_m * reach_m);
         let slack_m = 1e-5 * libm::sqrt(squares.sum());
-        Self { measuring, query, clips, closed: vec![0..0; clips.len()], slack_m }
+        Self {
+            measuring,
+            query,
+            clips,
+            query_sequence: measuring.sequence(query),
+            sequences: clips.par_iter().map(|clip| measuring.sequence(clip)).collect(),
+            closed: vec![0..0; clips.len()],
+            slack_m,
+        }
     }
 
     /// Excludes places of a clip from the moments, such as the source of the query itself. Another place is not a
@@ -146,12 +161,12 @@ impl<'a, const N: usize> Search<'a, N> {
     pub fn nearest(&self, limits: Limits, done: impl Fn(usize) + Sync) -> Found {
         let places = self.places();
         let mut work = self.work(&places);
-        let first: Vec<(Known, SearchStats)> = places
-            .par_iter()
-            .enumerate()
-            .map_init(Workspace::new, |workspace, (index, place)| {
-                tell(index, &done);
-                self.bound(*place, workspace)
+        let first: Vec<(Known, SearchStats)> = self
+            .blocks()
+            .par_chunks(BLOCKS)
+            .flat_map_iter(|blocks| {
+                done(blocks.iter().map(|(_, places)| places.len()).sum());
+                blocks.iter().flat_map(|(clip, places)| self.bounds(*clip, places.clone()))
             })
             .collect();
         let mut computed = Computed::new(self.clips, &self.closed, limits);
@@ -228,14 +243,26 @@ impl<'a, const N: usize> Search<'a, N> {
 
     /// Returns the places where the query fits.
     fn places(&self) -> Vec<FrameTime> {
-        let length = self.query.len().max(1);
-        let of_clip = |(clip, poses): (usize, &Vec<MeasuredPose<N>>)| {
-            let places = 0..(poses.len() + 1).saturating_sub(length);
-            let closed = self.closed[clip].clone();
-            let all_closed = closed.start == 0 && closed.end >= poses.len();
-            places.filter(move |_| !all_closed).map(move |pose| (clip, pose))
+        let of_clip = |clip: usize| self.places_of(clip).map(move |pose| (clip, pose));
+        (0..self.clips.len()).flat_map(of_clip).collect()
+    }
+
+    /// Returns the places of a clip where the query fits.
+    fn places_of(&self, clip: usize) -> Range<usize> {
+        let (count, closed) = (self.clips[clip].len(), &self.closed[clip]);
+        let is_closed = closed.start == 0 && closed.end >= count;
+        let places = (count + 1).saturating_sub(self.query.len().max(1));
+        0..if is_closed { 0 } else { places }
+    }
+
+    /// Divides the places into blocks whose bounds are computed together, each with the number of its clip.
+    fn blocks(&self) -> Vec<(usize, Range<usize>)> {
+        let of_clip = |clip: usize| {
+            let places = self.places_of(clip);
+            let end = places.end;
+            places.step_by(LANES).map(move |first| (clip, first..(first + LANES).min(end)))
         };
-        self.clips.iter().enumerate().flat_map(of_clip).collect()
+        (0..self.clips.len()).flat_map(of_clip).collect()
     }
 
     fn work(&self, places: &[FrameTime]) -> SearchStats {
@@ -257,30 +284,43 @@ impl<'a, const N: usize> Search<'a, N> {
         self.measuring.measure().metric.is_length_of_curve()
     }
 
-    /// Returns a lower bound of the squared distance of two poses along a curve.
-    fn least(&self, (a, b): (&MeasuredPose<N>, &MeasuredPose<N>)) -> f64 {
-        let way_m = f64::from(self.measuring.position_distance(a, b));
-        let least_m = (way_m * (1.0 - 1e-5) - self.slack_m).max(0.0);
+    /// Returns a lower bound of the squared distance of two poses along a curve, from the straight-line distance of
+    /// their joints.
+    fn least(&self, way_m: f32) -> f64 {
+        let least_m = (f64::from(way_m) * (1.0 - 1e-5) - self.slack_m).max(0.0);
         least_m * least_m
     }
 
-    /// Returns a lower bound of the squared sum of a place, or the sum itself if it costs no more.
-    fn bound(&self, place: FrameTime, workspace: &mut Workspace<N>) -> (Known, SearchStats) {
+    /// Returns lower bounds of the squared sums of a block of places, or the sums themselves if they cost no more.
+    fn bounds(
+        &self,
+        clip: usize,
+        places: Range<usize>,
+    ) -> impl Iterator<Item = (Known, SearchStats)> + use<N> {
         let count = self.query.len();
-        if self.is_length_of_curve() {
-            let sum: f64 = self.pairs(place).map(|pair| self.least(pair)).sum();
-            return (
-                Known::AtLeast(sum * SUM),
-                SearchStats { bounds: count, ..SearchStats::default() },
-            );
+        let weights = self.measuring.space().weights();
+        let distances = |frame: usize| {
+            let query = (&self.query_sequence, frame);
+            self.sequences[clip].distances(places.start + frame, query, weights)
+        };
+        let is_curve = self.is_length_of_curve();
+        let every = if is_curve { 1 } else { EVERY };
+        let mut sums = [0.0; LANES];
+        for frame in (0..count).step_by(every) {
+            for (sum, distance) in sums.iter_mut().zip(distances(frame)) {
+                *sum += if is_curve { self.least(distance) } else { squared(distance) };
+            }
         }
-        if count == 1 {
-            return self.sum(place, f64::INFINITY, workspace);
-        }
-        let some = self.pairs(place).step_by(EVERY);
-        let sum: f64 = some.map(|(a, b)| squared(self.measuring.distance(a, b, workspace))).sum();
-        let computed = count.div_ceil(EVERY);
-        (Known::AtLeast(sum * SUM), SearchStats { computed, ..SearchStats::default() })
+        let none = SearchStats::default();
+        let work = if is_curve {
+            SearchStats { bounds: count, ..none }
+        } else {
+            SearchStats { computed: count.div_ceil(EVERY), ..none }
+        };
+        let is_all = !is_curve && count == 1;
+        let known =
+            move |sum: f64| if is_all { Known::All(sum) } else { Known::AtLeast(sum * SUM) };
+        sums.into_iter().take(places.len()).map(move |sum| (known(sum), work))
     }
 
     /// Computes the squared sum of a place in the order of frames, and stops when it exceeds `limit`.
@@ -295,7 +335,8 @@ impl<'a, const N: usize> Search<'a, N> {
         // Lower bounds of the sums over the frames from each frame to the end.
         let mut rest = Vec::new();
         if self.is_length_of_curve() && limit.is_finite() && count > 1 {
-            rest = self.pairs(place).rev().map(|pair| self.least(pair)).collect();
+            let least = |(a, b)| self.least(self.measuring.position_distance(a, b));
+            rest = self.pairs(place).rev().map(least).collect();
             for later in 1..count {
                 rest[later] += rest[later - 1];
             }
@@ -316,7 +357,7 @@ impl<'a, const N: usize> Search<'a, N> {
     }
 }
 
-/// Reports places in thousands: to report each would take as long as a bound.
+/// Reports places in thousands: to report each would take as long as a distance.
 fn tell(index: usize, done: impl Fn(usize)) {
     const MANY: usize = 1000;
     if index % MANY == MANY - 1 {
