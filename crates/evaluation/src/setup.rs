@@ -189,8 +189,8 @@ impl Setup {
         })
     }
 
-    /// Returns the kind of a tracker that [`sinew_batch::Trackers`] can replace, as far as settings decide it; `None` for
-    /// other trackers. Trackers of one kind can take their ticks together.
+    /// Returns the kind of a tracker that [`sinew_batch::Trackers`] can replace, as far as settings decide it; `None`
+    /// for other trackers. Trackers of one kind can take their ticks together.
     pub(super) fn plain_tracker(&self) -> Option<PlainTracker> {
         let controller = &self.controller;
         let is_plain = matches!(
