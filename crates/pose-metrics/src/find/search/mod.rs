@@ -31,7 +31,8 @@ pub struct Search<'a, const N: usize = BODY_COUNT> {
     measuring: &'a RigMeasure<'a, N>,
     query: &'a [MeasuredPose<N>],
     clips: &'a [Vec<MeasuredPose<N>>],
-    /// The numbers of these poses whose distances serve as bounds.
+    /// Query and clips in the order of lanes. No clips for a query of a single pose: to store their poses again takes
+    /// as long as to compare each with one pose.
     query_sequence: PoseSequence,
     sequences: Vec<PoseSequence>,
     /// Excluded places of each clip, which are not moments.
@@ -142,7 +143,11 @@ impl<'a, const N: usize> Search<'a, N> {
             query,
             clips,
             query_sequence: measuring.sequence(query),
-            sequences: clips.par_iter().map(|clip| measuring.sequence(clip)).collect(),
+            sequences: if query.len() > 1 {
+                clips.par_iter().map(|clip| measuring.sequence(clip)).collect()
+            } else {
+                Vec::new()
+            },
             closed: vec![0..0; clips.len()],
             slack_m,
         }
@@ -161,14 +166,7 @@ impl<'a, const N: usize> Search<'a, N> {
     pub fn nearest(&self, limits: Limits, done: impl Fn(usize) + Sync) -> Found {
         let places = self.places();
         let mut work = self.work(&places);
-        let first: Vec<(Known, SearchStats)> = self
-            .blocks()
-            .par_chunks(BLOCKS)
-            .flat_map_iter(|blocks| {
-                done(blocks.iter().map(|(_, places)| places.len()).sum());
-                blocks.iter().flat_map(|(clip, places)| self.bounds(*clip, places.clone()))
-            })
-            .collect();
+        let first = self.first_bounds(&places, &done);
         let mut computed = Computed::new(self.clips, &self.closed, limits);
         // Ordered by the bits of the squared sum, which have its order since it is not negative.
         let mut open = BinaryHeap::with_capacity(places.len());
@@ -291,7 +289,46 @@ impl<'a, const N: usize> Search<'a, N> {
         least_m * least_m
     }
 
-    /// Returns lower bounds of the squared sums of a block of places, or the sums themselves if they cost no more.
+    /// Returns what is known of each place before the search computes sums.
+    fn first_bounds(
+        &self,
+        places: &[FrameTime],
+        done: &(impl Fn(usize) + Sync),
+    ) -> Vec<(Known, SearchStats)> {
+        if self.sequences.is_empty() {
+            let bound = |workspace: &mut Workspace<N>, (index, place): (usize, &FrameTime)| {
+                tell(index, done);
+                self.bound_of_pose(*place, workspace)
+            };
+            return places.par_iter().enumerate().map_init(Workspace::new, bound).collect();
+        }
+        let blocks = self.blocks();
+        let bounds = |blocks: &[(usize, Range<usize>)]| {
+            done(blocks.iter().map(|(_, places)| places.len()).sum());
+            let of_block =
+                |(clip, places): &(usize, Range<usize>)| self.bounds(*clip, places.clone());
+            blocks.iter().flat_map(of_block).collect::<Vec<_>>()
+        };
+        blocks.par_chunks(BLOCKS).flat_map_iter(bounds).collect()
+    }
+
+    /// Returns a lower bound of the squared distance of a place to a query of a single pose, or the squared distance
+    /// itself if it costs no more.
+    fn bound_of_pose(
+        &self,
+        place: FrameTime,
+        workspace: &mut Workspace<N>,
+    ) -> (Known, SearchStats) {
+        if !self.is_length_of_curve() {
+            return self.sum(place, f64::INFINITY, workspace);
+        }
+        let least = |(a, b)| self.least(self.measuring.position_distance(a, b));
+        let sum: f64 = self.pairs(place).map(least).sum();
+        let bounds = self.query.len();
+        (Known::AtLeast(sum * SUM), SearchStats { bounds, ..SearchStats::default() })
+    }
+
+    /// Returns lower bounds of the squared sums of a block of places.
     fn bounds(
         &self,
         clip: usize,
@@ -317,10 +354,8 @@ impl<'a, const N: usize> Search<'a, N> {
         } else {
             SearchStats { computed: count.div_ceil(EVERY), ..none }
         };
-        let is_all = !is_curve && count == 1;
-        let known =
-            move |sum: f64| if is_all { Known::All(sum) } else { Known::AtLeast(sum * SUM) };
-        sums.into_iter().take(places.len()).map(move |sum| (known(sum), work))
+        let bound = move |sum: f64| (Known::AtLeast(sum * SUM), work);
+        sums.into_iter().take(places.len()).map(bound)
     }
 
     /// Computes the squared sum of a place in the order of frames, and stops when it exceeds `limit`.
