@@ -253,4 +253,27 @@ fn trackers_that_differ_are_not_joined() {
         let rigs = from_fn(|_| rig(&mut random, own.clone(), &settings));
         assert!(join(&rigs).is_none(), "{settings:?}");
     }
+    let mut joined = |alter: &dyn Fn(&mut Vec<Body>)| {
+        let rigs = from_fn(|lane| {
+            let mut bodies = tree(&mut Random(9), &parents, JointKind::Free).bodies().to_vec();
+            if lane == 6 {
+                alter(&mut bodies);
+            }
+            rig(&mut random, Tree::from_bodies(&bodies).unwrap(), &usual)
+        });
+        join(&rigs).is_some()
+    };
+    assert!(joined(&|_| ()));
+    assert!(!joined(&|bodies| bodies[2].rotor_inertia = 0.01), "a rotor");
+    assert!(!joined(&|bodies| bodies[4].joint = JointKind::Revolute { axis: Vec3::X }), "a hinge");
+    assert!(!joined(&|bodies| bodies.truncate(4)), "fewer bodies");
+    let rigs: [Rig; TRACKER_LANES] = rigs(&mut random, 1);
+    let controllers = rigs.each_ref().map(|rig| rig.tracker.controller());
+    for dt_s in [0.0, -0.01, 1e-10, f32::NAN, f32::INFINITY] {
+        assert!(Trackers::join(controllers, dt_s).is_none(), "{dt_s}");
+    }
+    let weightless = rigs[0].tracker.controller().clone().with_gravity(Vec3::ZERO).unwrap();
+    let mut controllers = controllers;
+    controllers[1] = &weightless;
+    assert!(Trackers::join(controllers, 0.01).is_none(), "other gravity");
 }
